@@ -1,0 +1,1 @@
+"""Physics-based particle filter for Drake."""

@@ -1,0 +1,68 @@
+"""Unit quaternions as arrays (..., 4) in the order w, x, y, z.
+
+All functions broadcast over the leading dimensions. q and -q are the same
+rotation; functions that return an angle respect that.
+"""
+
+import numpy as np
+
+
+def multiply(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Returns the Hamilton product p q, (..., 4): first q, then p."""
+    w1, x1, y1, z1 = np.moveaxis(np.asarray(p), -1, 0)
+    w2, x2, y2, z2 = np.moveaxis(np.asarray(q), -1, 0)
+    return np.stack(
+        [
+            w1 * w2 - x1 * x2 - y1 * y2 - z1 * z2,
+            w1 * x2 + x1 * w2 + y1 * z2 - z1 * y2,
+            w1 * y2 - x1 * z2 + y1 * w2 + z1 * x2,
+            w1 * z2 + x1 * y2 - y1 * x2 + z1 * w2,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(q: np.ndarray) -> np.ndarray:
+    """Returns the inverse rotation of unit quaternions, (..., 4)."""
+    return np.asarray(q) * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def normalize(q: np.ndarray) -> np.ndarray:
+    """Returns q scaled to unit length, (..., 4)."""
+    q = np.asarray(q)
+    return q / np.linalg.norm(q, axis=-1, keepdims=True)
+
+
+def from_rotation_vector(r: np.ndarray) -> np.ndarray:
+    """Returns exp(r), (..., 4): a turn by |r| radians about r, (..., 3)."""
+    r = np.asarray(r)
+    half = 0.5 * np.linalg.norm(r, axis=-1, keepdims=True)
+    # sin(half) / (2 half), with its limit of 1/2 at 0: np.sinc has pi in it.
+    return np.concatenate(
+        [np.cos(half), 0.5 * np.sinc(half / np.pi) * r], axis=-1
+    )
+
+
+def to_rotation_vector(q: np.ndarray) -> np.ndarray:
+    """Returns log(q), (..., 3): of the two, the turn of at most pi."""
+    q = np.asarray(q)
+    q = np.where(q[..., :1] < 0, -q, q)
+    length = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
+    angle = 2 * np.arctan2(length, q[..., :1])
+    small = length < 1e-12
+    return q[..., 1:] * np.where(small, 2.0, angle / np.where(small, 1, length))
+
+
+def angle_between(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Returns the angle of the rotation p⁻¹ q, (...), in [0, pi]."""
+    d = multiply(conjugate(p), q)
+    return 2 * np.arctan2(
+        np.linalg.norm(d[..., 1:], axis=-1), np.abs(d[..., 0])
+    )
+
+
+def rotate(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Returns the vectors v, (..., 3), turned by q, (..., 4)."""
+    q, v = np.asarray(q), np.asarray(v)
+    t = 2 * np.cross(q[..., 1:], v)
+    return v + q[..., :1] * t + np.cross(q[..., 1:], t)

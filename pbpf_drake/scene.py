@@ -1,0 +1,152 @@
+"""A scene: models, camera, topics and filter configuration in one YAML file.
+
+The same file builds the prediction model, the ray-cast world, the truth
+simulation and the picture. No object, robot or number of a scene is known to
+the package.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from pydrake.common.schema import Transform
+from pydrake.common.yaml import yaml_load_typed
+from pydrake.math import RigidTransform
+from pydrake.multibody.parsing import ModelDirective
+
+from pbpf_drake.particle_filter_config import (
+    ParticleFilterConfig,
+    VisibilityConfig,
+)
+from pbpf_drake.recording_config import RecordingConfig
+
+
+@dataclass(kw_only=True)
+class CameraConfig:
+    """A pinhole camera without distortion, fixed in the world."""
+
+    # The pose in the world of the optical frame C: z points forward, x to the
+    # right and y down in the image.
+    X_WC: Transform = field(default_factory=Transform)
+    # Size of the image (in pixels).
+    width: int = 640
+    height: int = 480
+    # Focal lengths and principal point (in pixels).
+    fx: float = 605.904
+    fy: float = 604.460
+    cx: float = 311.145
+    cy: float = 255.473
+
+    def pose(self) -> RigidTransform:
+        """Returns X_WC."""
+        return self.X_WC.GetDeterministicValue()
+
+
+@dataclass(kw_only=True)
+class TrackedObject:
+    """What the filter has to know of one tracked model."""
+
+    # The class name under which the detector reports it; empty means the
+    # name of the model.
+    class_id: str = ""
+    # The visibility thresholds (Section 4.3).
+    visibility: VisibilityConfig = field(default_factory=VisibilityConfig)
+
+
+@dataclass(kw_only=True)
+class LogTopics:
+    """Where a log holds what the filter needs."""
+
+    # sensor_msgs/JointState.
+    joint_states: str = "/joint_states"
+    # vision_msgs/Detection3DArray, in the camera's optical frame.
+    detections: str = "/dope/detected_objects"
+    # geometry_msgs/PoseStamped in the world, one topic per object: this
+    # followed by the model's name.
+    ground_truth: str = "/ground_truth/"
+    # Names of joints in the log, by names of joints in the robot's model,
+    # where they differ.
+    joint_names: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(kw_only=True)
+class Scene:
+    """Everything that one YAML file says of a scene."""
+
+    # What there is: Drake's model directives. Files are found through
+    # package://pbpf_drake (this project's models), package://scene (the
+    # folder of the scene file), and the packages in ROS_PACKAGE_PATH.
+    directives: list[ModelDirective] = field(default_factory=list)
+    # The model instance that is the robot.
+    robot: str = ""
+    # The model instances to track, each one free body. Every other model is
+    # fixed and known: it must be welded to the world.
+    tracked: dict[str, TrackedObject] = field(default_factory=dict)
+    camera: CameraConfig = field(default_factory=CameraConfig)
+    topics: LogTopics = field(default_factory=LogTopics)
+    filter: ParticleFilterConfig = field(default_factory=ParticleFilterConfig)
+    # How diagrams/record_scene.py simulates a truth for this scene.
+    recording: RecordingConfig = field(default_factory=RecordingConfig)
+    # The scene file; set by LoadScene, not read from the file.
+    path: str = ""
+
+    def object_names(self) -> list[str]:
+        """The tracked models, in the order of all arrays over objects."""
+        return list(self.tracked)
+
+    def object_by_class(self) -> dict[str, str]:
+        """The model's name by the class name that the detector reports."""
+        return {o.class_id or name: name for name, o in self.tracked.items()}
+
+
+def LoadScene(filename: str | Path) -> Scene:
+    """Loads a scene file and checks what can be checked without its models.
+
+    Args:
+        filename: the YAML file.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ValueError: the file isn't a scene; the message names file and field.
+    """
+    path = Path(filename).expanduser().resolve()
+    if not path.is_file():
+        raise FileNotFoundError(f"There is no scene file {path}")
+    try:
+        scene = yaml_load_typed(schema=Scene, filename=str(path))
+    except Exception as error:
+        raise ValueError(f"Scene file {path}: {error}") from error
+    scene.path = str(path)
+    try:
+        _validate(scene)
+    except ValueError as error:
+        raise ValueError(f"Scene file {path}: {error}") from error
+    return scene
+
+
+def _validate(scene: Scene) -> None:
+    if not scene.directives:
+        raise ValueError("directives is empty; expected at least one model")
+    if not scene.robot:
+        raise ValueError("robot is empty; expected the name of a model")
+    if not scene.tracked:
+        raise ValueError("tracked is empty; expected at least one model")
+    if scene.robot in scene.tracked:
+        raise ValueError(
+            f"tracked contains {scene.robot!r}, which is the robot; expected "
+            "models that the robot's model does not contain"
+        )
+    if len(scene.object_by_class()) != len(scene.tracked):
+        raise ValueError("two tracked models have the same class_id")
+    camera = scene.camera
+    for name in ("width", "height", "fx", "fy"):
+        if not getattr(camera, name) > 0:
+            raise ValueError(
+                f"camera.{name} is {getattr(camera, name)}; expected more "
+                "than 0"
+            )
+    if not np.all(np.isfinite(camera.pose().GetAsMatrix4())):
+        raise ValueError("camera.X_WC is not finite")
+    for name, tracked in scene.tracked.items():
+        tracked.visibility.ValidateOrThrow(f"tracked.{name}.visibility")
+    scene.filter.ValidateOrThrow()

@@ -1,0 +1,39 @@
+"""What one run of an estimator on a log produced, step by step."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class TrackRecord:
+    """The estimates of K objects at N updates.
+
+    Attributes:
+        method: "pbpf", "pbpf-v", "cvpf" or "dope".
+        object_names: K names of tracked models.
+        times: (N,) times of the updates since the log's start (in seconds).
+        poses: (N, K, 7) estimated X_WO: qw qx qy qz, x y z (in meters).
+        tracked: (N, K) whether the object had been detected by then; where
+            it had not, ``poses`` holds the scene's nominal pose.
+        detected: (N, K) whether a new detection was used at this update.
+        covariances: (N, K, 6, 6) rotation vector first, then position, in
+            the world; zeros for estimators without one.
+        effective_sample_size: (N,); zeros for estimators without particles.
+        particles: (N, M, K, 7) as ``poses``; M is 0 without particles.
+        update_ms: (N,) wall time of each update (in milliseconds).
+        seed: the seed of the run.
+    """
+
+    method: str
+    object_names: tuple[str, ...]
+    times: np.ndarray
+    poses: np.ndarray
+    tracked: np.ndarray
+    detected: np.ndarray
+    covariances: np.ndarray
+    effective_sample_size: np.ndarray
+    particles: np.ndarray
+    update_ms: np.ndarray
+    seed: int = 0
+    config: dict = field(default_factory=dict)
