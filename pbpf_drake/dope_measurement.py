@@ -12,7 +12,7 @@ class Detection:
     """One object as the detector saw it.
 
     Attributes:
-        X_WO: pose of the object in the world.
+        X_WO: pose of the object in the world; not to be changed.
         time: stamp of the image that it was seen in (in seconds).
     """
 
@@ -25,12 +25,21 @@ class DopeMeasurement:
     """The latest detection of every object that has been detected so far.
 
     An object without an entry has never been detected. Consumers tell a new
-    detection from an old one by its time stamp.
+    detection from an old one by its time stamp. A measurement can't change,
+    so a copy of it is itself.
 
     Attributes:
-        detections: by name of the tracked model.
+        detections: by name of the tracked model; copied into a read-only
+            mapping.
     """
 
-    detections: Mapping[str, Detection] = field(
-        default_factory=lambda: MappingProxyType({})
-    )
+    detections: Mapping[str, Detection] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Makes ``detections`` read-only."""
+        frozen = MappingProxyType(dict(self.detections))
+        object.__setattr__(self, "detections", frozen)
+
+    # Drake copies the values of ports, but can't copy a read-only mapping.
+    def __deepcopy__(self, memo: dict) -> "DopeMeasurement":
+        return self

@@ -55,7 +55,7 @@ def MakePackageMap(scene: Scene) -> PackageMap:
     packages.Add("pbpf_drake", str(data_folder("models")))
     if scene.path:
         packages.Add("scene", str(Path(scene.path).parent))
-    packages.PopulateFromEnvironment("ROS_PACKAGE_PATH")
+    packages.PopulateFromRosPackagePath()
     return packages
 
 

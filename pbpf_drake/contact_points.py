@@ -1,0 +1,94 @@
+"""Where a shape touches what it stands on: small spheres at its corners.
+
+Point contact gives one point per pair of geometries. A box on a box then
+rocks and sinks, and a can sticks. Small spheres at the corners, or around
+both rims, give the contact the extent that it really has. They are made from
+the shape, so that a user's model gets them too.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.geometry import Box, Capsule, Convex, Cylinder, Mesh, Shape
+
+# Radius of the spheres (in meters). Their surfaces touch the shape's own.
+_RADIUS = 1e-4
+# Points around each rim of a cylinder.
+_RIM_POINTS = 8
+# Points that stand for the vertices of a convex hull.
+_HULL_POINTS = 16
+# How much smaller than the shape its core is, on every side (in meters).
+_INSET = 5e-4
+
+
+@dataclass(frozen=True)
+class ContactPoints:
+    """Spheres that touch for a shape.
+
+    Attributes:
+        p_GS: (n, 3) their centres in the shape's frame G (in meters).
+        radius: of all of them (in meters).
+    """
+
+    p_GS: np.ndarray
+    radius: float
+
+
+def MakeContactPoints(shape: Shape) -> ContactPoints:
+    """Returns the spheres of a shape; none if it is round all over."""
+    if isinstance(shape, Box):
+        signs = np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
+        return ContactPoints(signs * (shape.size() / 2 - _RADIUS), _RADIUS)
+    if isinstance(shape, Cylinder):
+        return ContactPoints(_rims(shape), _RADIUS)
+    if isinstance(shape, Capsule):
+        ends = np.array([[0, 0, -1], [0, 0, 1]]) * shape.length() / 2
+        return ContactPoints(ends, shape.radius())
+    if isinstance(shape, Convex | Mesh):
+        return ContactPoints(_hull_vertices(shape), _RADIUS)
+    return ContactPoints(np.empty((0, 3)), _RADIUS)
+
+
+def MakeCore(shape: Shape) -> Shape | None:
+    """Returns the shape, a little smaller, for contacts between its points.
+
+    Where the spheres carry the shape, the core touches nothing. It stops
+    what comes between them: an edge over an edge, a can on its side.
+
+    Returns:
+        The core; None for a shape that is its own core.
+    """
+    if isinstance(shape, Box) and min(shape.size()) > 4 * _INSET:
+        return Box(*(shape.size() - 2 * _INSET))
+    if isinstance(shape, Cylinder) and (
+        min(shape.radius(), shape.length()) > 4 * _INSET
+    ):
+        return Cylinder(
+            radius=shape.radius() - _INSET, length=shape.length() - 2 * _INSET
+        )
+    return None
+
+
+def _rims(cylinder: Cylinder) -> np.ndarray:
+    angles = 2 * np.pi * np.arange(_RIM_POINTS) / _RIM_POINTS
+    radius = cylinder.radius() - _RADIUS
+    z = cylinder.length() / 2 - _RADIUS
+    rim = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    return np.vstack(
+        [np.column_stack([rim, np.full(_RIM_POINTS, end)]) for end in (-z, z)]
+    )
+
+
+def _hull_vertices(shape: Convex | Mesh) -> np.ndarray:
+    hull = shape.GetConvexHull()
+    vertices = np.array([hull.vertex(i) for i in range(hull.num_vertices())])
+    centre = vertices.mean(axis=0)
+    chosen = [int(np.argmax(np.linalg.norm(vertices - centre, axis=1)))]
+    distance = np.linalg.norm(vertices - vertices[chosen[0]], axis=1)
+    while len(chosen) < min(_HULL_POINTS, len(vertices)):
+        chosen.append(int(np.argmax(distance)))
+        new = np.linalg.norm(vertices - vertices[chosen[-1]], axis=1)
+        distance = np.minimum(distance, new)
+    inward = centre - vertices[chosen]
+    length = np.linalg.norm(inward, axis=1, keepdims=True)
+    return vertices[chosen] + _RADIUS * inward / length

@@ -1,0 +1,355 @@
+"""The particle filter as a Drake system."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+import time as wall_clock
+
+import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.common.value import Value
+from pydrake.math import RigidTransform
+from pydrake.systems.framework import (
+    Context,
+    DiscreteValues,
+    LeafSystem,
+    ValueProducer,
+)
+
+from pbpf_drake.control_path import ControlPath, add_hermite_midpoints
+from pbpf_drake.dope_measurement import DopeMeasurement
+from pbpf_drake.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.particle_filter_update import (
+    FilterState,
+    MakeInitialState,
+    ParticleFilterUpdate,
+)
+from pbpf_drake.pose_statistics import pose_covariance
+from pbpf_drake.resampling import effective_sample_size
+
+# Samples of the joints closer than this (in seconds) are one.
+_SAME_TIME = 1e-6
+
+
+class PhysicsBasedParticleFilter(LeafSystem):
+    """Tracks the poses of K objects with M particles (Section 4).
+
+    Every ``period`` it predicts the particles from what the robot did, weighs
+    them by the detections, and resamples; see ParticleFilterUpdate. With the
+    constant-velocity motion model it is the paper's CVPF, with a visibility
+    model its PBPF-V.
+
+    .. pydrake_system::
+
+        name: PhysicsBasedParticleFilter
+        input_ports:
+        - joint_positions
+        - joint_velocities (optional)
+        - dope_measurement (optional)
+        output_ports:
+        - estimated_poses
+        - particles
+        - weights
+        - effective_sample_size
+        - covariances
+        - tracked
+        - detected
+        - update_time
+
+    Input ``joint_positions``: (n,) the robot's measured joints, in the order
+    of its model (in radians or meters). It is sampled ``control_samples``
+    times per period. A value that isn't finite is ignored: the joint's last
+    one is held. Input ``joint_velocities``: (n,) bends the path between two
+    samples. Input ``dope_measurement``: a DopeMeasurement; a detection is
+    used if its stamp is new, and neither it nor its pose is out of range.
+
+    Output ``estimated_poses``: list of K RigidTransform X_WO, the weighted
+    mean of the particles. Output ``particles``: (M, K, 7) in row-major order:
+    qw qx qy qz (unit), x y z (in meters). Output ``weights``: (M,), sum 1.
+    Output ``effective_sample_size``: from 1 to M. Output ``covariances``:
+    (K, 6, 6) in row-major order: rotation vector (in radians), then position
+    (in meters), in the world. Outputs ``tracked`` and ``detected``: (K,) 1 if
+    the object has been detected, ever and at the last update, else 0. Output
+    ``update_time``: time of the last update (in seconds), -1 before it.
+
+    Before the first detection of an object its estimate and its particles are
+    the nominal pose that the scene gives it, its covariance is that of the
+    initial spread, and it takes no part in the physics of the others.
+
+    State: all of it is discrete: particles with their velocities, weights,
+    two estimates, counters, and the latest samples of the joints. No port has
+    direct feedthrough. Randomness is a pure function of (seed, step).
+
+    Args:
+        config: checked here.
+        update: the algorithm.
+        object_names: K names by which detections are found.
+        nominal_poses: (K, 7).
+        num_joints: n.
+        on_update: called after each update with its wall time (in seconds).
+
+    Raises:
+        ValueError: a field of the config is out of range.
+    """
+
+    def __init__(
+        self,
+        *,
+        config: ParticleFilterConfig,
+        update: ParticleFilterUpdate,
+        object_names: Sequence[str],
+        nominal_poses: np.ndarray,
+        num_joints: int,
+        on_update: Callable[[float], None] | None = None,
+    ) -> None:
+        super().__init__()
+        config.ValidateOrThrow()
+        self._config = config
+        self._update = update
+        self._object_names = tuple(object_names)
+        self._initial = MakeInitialState(config.num_particles, nominal_poses)
+        self._on_update = on_update
+
+        self._positions_port = self.DeclareVectorInputPort(
+            "joint_positions", num_joints
+        )
+        self._velocities_port = self.DeclareVectorInputPort(
+            "joint_velocities", num_joints
+        )
+        self._measurement_port = self.DeclareAbstractInputPort(
+            "dope_measurement", Value(DopeMeasurement())
+        )
+        self._DeclareStates(num_joints)
+        # Contexts and threads of the prediction: no information is in them.
+        self._scratch_index = self.DeclareCacheEntry(
+            "scratch",
+            ValueProducer(
+                allocate=lambda: Value(_Scratch(update)),
+                calc=ValueProducer.NoopCalc,
+            ),
+            {self.nothing_ticket()},
+        ).cache_index()
+        self._DeclareOutputs()
+        self._DeclareEvents()
+
+    def _DeclareStates(self, num_joints: int) -> None:
+        self._state_index = {
+            field.name: self.DeclareDiscreteState(
+                np.ravel(getattr(self._initial, field.name))
+            )
+            for field in fields(FilterState)
+        }
+        # Rows of time, positions and velocities, the latest last.
+        self._samples_shape = (
+            self._config.control_samples + 1,
+            1 + 2 * num_joints,
+        )
+        self._samples_index = self.DeclareDiscreteState(
+            np.zeros(self._samples_shape).ravel()
+        )
+        self._update_time_index = self.DeclareDiscreteState([-1.0])
+
+    def _DeclareOutputs(self) -> None:
+        num_objects = len(self._object_names)
+        poses, weights, estimates, num_estimates = (
+            self.discrete_state_ticket(self._state_index[name])
+            for name in ("poses", "weights", "estimates", "num_estimates")
+        )
+        self.DeclareAbstractOutputPort(
+            "estimated_poses",
+            alloc=lambda: Value([RigidTransform()] * num_objects),
+            calc=self._CalcEstimatedPoses,
+            prerequisites_of_calc={estimates},
+        )
+        self.DeclareStateOutputPort("particles", self._state_index["poses"])
+        self.DeclareStateOutputPort("weights", self._state_index["weights"])
+        self.DeclareVectorOutputPort(
+            "effective_sample_size",
+            1,
+            calc=self._CalcEffectiveSampleSize,
+            prerequisites_of_calc={weights},
+        )
+        self.DeclareVectorOutputPort(
+            "covariances",
+            num_objects * 36,
+            calc=self._CalcCovariances,
+            prerequisites_of_calc={poses, weights, estimates, num_estimates},
+        )
+        self.DeclareVectorOutputPort(
+            "tracked",
+            num_objects,
+            calc=self._CalcTracked,
+            prerequisites_of_calc={num_estimates},
+        )
+        self.DeclareStateOutputPort("detected", self._state_index["detected"])
+        self.DeclareStateOutputPort("update_time", self._update_time_index)
+
+    def _DeclareEvents(self) -> None:
+        period, samples = self._config.period, self._config.control_samples
+        self.DeclareInitializationDiscreteUpdateEvent(update=self._Initialize)
+        if samples > 1:
+            self.DeclarePeriodicDiscreteUpdateEvent(
+                period_sec=period / samples,
+                offset_sec=period / samples,
+                update=self._SampleJoints,
+            )
+        self.DeclarePeriodicDiscreteUpdateEvent(
+            period_sec=period, offset_sec=period, update=self._Update
+        )
+        self.DeclareForcedDiscreteUpdateEvent(update=self._Update)
+
+    def _Initialize(self, context: Context, values: DiscreteValues) -> None:
+        """Fills the samples with where the joints are now."""
+        zeros = np.zeros(self._samples_shape[1])
+        sample = self._ReadJoints(context, zeros)
+        values.get_mutable_value(self._samples_index)[:] = np.tile(
+            sample, self._samples_shape[0]
+        )
+        values.get_mutable_value(self._update_time_index)[:] = -1.0
+
+    def _SampleJoints(self, context: Context, values: DiscreteValues) -> None:
+        values.get_mutable_value(self._samples_index)[:] = self._Samples(
+            context
+        ).ravel()
+
+    def _Update(self, context: Context, values: DiscreteValues) -> None:
+        start = wall_clock.perf_counter()
+        state = self._State(context)
+        samples = self._Samples(context)
+        detections, detection_times = self._NewDetections(context, state)
+        scratch = self.get_cache_entry(self._scratch_index).Eval(context)
+        state = self._update.Update(
+            state,
+            path=self._Path(context, samples),
+            detections=detections,
+            detection_times=detection_times,
+            scratch=scratch.Get(),
+        )
+        for name, index in self._state_index.items():
+            values.get_mutable_value(index)[:] = np.ravel(getattr(state, name))
+        values.get_mutable_value(self._samples_index)[:] = samples.ravel()
+        values.get_mutable_value(self._update_time_index)[:] = (
+            context.get_time()
+        )
+        if self._on_update:
+            self._on_update(wall_clock.perf_counter() - start)
+
+    def _State(self, context: Context) -> FilterState:
+        return FilterState(
+            **{
+                name: context.get_discrete_state(index)
+                .value()
+                .reshape(np.shape(getattr(self._initial, name)))
+                for name, index in self._state_index.items()
+            }
+        )
+
+    def _ReadJoints(self, context: Context, last: np.ndarray) -> np.ndarray:
+        """Returns a row of time, positions, velocities; see _samples_shape."""
+        n = self._positions_port.size()
+        row = np.zeros(1 + 2 * n)
+        row[0] = context.get_time()
+        row[1 : n + 1] = self._positions_port.Eval(context)
+        if self._velocities_port.HasValue(context):
+            row[n + 1 :] = self._velocities_port.Eval(context)
+        return np.where(np.isfinite(row), row, last)
+
+    def _Samples(self, context: Context) -> np.ndarray:
+        """Returns the samples with one of now as the last."""
+        samples = (
+            context.get_discrete_state(self._samples_index)
+            .value()
+            .reshape(self._samples_shape)
+        )
+        now = self._ReadJoints(context, samples[-1])
+        if now[0] - samples[-1, 0] <= _SAME_TIME:
+            return np.vstack([samples[:-1], now])
+        return np.vstack([samples[1:], now])
+
+    def _Path(self, context: Context, samples: np.ndarray) -> ControlPath:
+        """Returns u_t: the samples since the last update."""
+        last = context.get_discrete_state(self._update_time_index).value()[0]
+        start = np.searchsorted(samples[:, 0], last + _SAME_TIME) - 1
+        since = samples[max(start, 0) :]
+        keep = np.append(np.diff(since[:, 0]) > _SAME_TIME, True)
+        times, n = since[keep, 0], self._positions_port.size()
+        path = ControlPath(times, since[keep, 1 : n + 1])
+        if not self._velocities_port.HasValue(context):
+            return path
+        return add_hermite_midpoints(path, since[keep, n + 1 :])
+
+    def _NewDetections(
+        self, context: Context, state: FilterState
+    ) -> tuple[dict[int, np.ndarray], np.ndarray]:
+        """Returns the detections not used before, and (K,) their stamps."""
+        times = np.array(state.detection_times)
+        new: dict[int, np.ndarray] = {}
+        if not self._measurement_port.HasValue(context):
+            return new, times
+        measurement = self._measurement_port.Eval(context)
+        if not isinstance(measurement, DopeMeasurement):
+            raise TypeError(
+                "The port dope_measurement holds a "
+                f"{type(measurement).__name__}; expected a DopeMeasurement"
+            )
+        for k, name in enumerate(self._object_names):
+            detection = measurement.detections.get(name)
+            if detection is None or not detection.time > times[k]:
+                continue
+            age = abs(context.get_time() - detection.time)
+            pose = pose_array(detection.X_WO)
+            if age <= self._config.max_detection_age and np.all(
+                np.isfinite(pose)
+            ):
+                new[k], times[k] = pose, detection.time
+        return new, times
+
+    def _CalcEstimatedPoses(self, context: Context, output) -> None:
+        estimates = self._State(context).estimates[0]
+        output.set_value([rigid_transform(pose) for pose in estimates])
+
+    def _CalcEffectiveSampleSize(self, context: Context, output) -> None:
+        weights = self._State(context).weights
+        output.SetFromVector([effective_sample_size(weights)])
+
+    def _CalcCovariances(self, context: Context, output) -> None:
+        state = self._State(context)
+        covariances = pose_covariance(
+            state.poses, state.weights, state.estimates[0]
+        )
+        spread = self._config.initial_noise
+        unknown = np.diag(
+            [spread.rotation**2 / 3] * 3 + [spread.position**2 / 2] * 2 + [0.0]
+        )
+        covariances[state.num_estimates == 0] = unknown
+        output.SetFromVector(covariances.ravel())
+
+    def _CalcTracked(self, context: Context, output) -> None:
+        output.SetFromVector(1.0 * (self._State(context).num_estimates > 0))
+
+
+def pose_array(X_WO: RigidTransform) -> np.ndarray:
+    """Returns (7,): qw qx qy qz, x y z (in meters)."""
+    q = X_WO.rotation().ToQuaternion().wxyz()
+    return np.concatenate([q, X_WO.translation()])
+
+
+def rigid_transform(pose: np.ndarray) -> RigidTransform:
+    """Returns the pose (7,) as a RigidTransform."""
+    return RigidTransform(Quaternion(pose[:4] / np.linalg.norm(pose[:4])), pose[4:])
+
+
+class _Scratch:
+    """Work space that a cloned context gets anew."""
+
+    def __init__(self, update: ParticleFilterUpdate) -> None:
+        self._update = update
+        self._scratch = None
+
+    def __deepcopy__(self, memo: dict) -> "_Scratch":
+        return _Scratch(self._update)
+
+    def Get(self):
+        """Returns the scratch, made at first use."""
+        if self._scratch is None:
+            self._scratch = self._update.MakeScratch()
+        return self._scratch

@@ -1,0 +1,155 @@
+"""Ray casting on the proximity geometry of a SceneGraph.
+
+Drake's QueryObject casts no rays. Here every ray meets every shape that the
+SceneGraph's inspector has, at the pose that the query object has, exactly.
+All rays of a call start at one point, and each ends at its target: t is 0 at
+the origin and 1 at the target.
+"""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from pydrake.geometry import (
+    GeometryId,
+    QueryObject,
+    SceneGraphInspector,
+    Shape,
+)
+from pydrake.math import RigidTransform
+
+from pbpf_drake import quaternions
+from pbpf_drake.ray_shapes import MakeRayShape
+
+
+class OccluderSet:
+    """Geometries that are the same for all rays, such as a robot's.
+
+    It keeps the shapes, so that casting again only asks for their poses. It
+    never changes and can be shared by threads.
+    """
+
+    def __init__(
+        self,
+        *,
+        inspector: SceneGraphInspector,
+        geometry_ids: Iterable[GeometryId],
+    ):
+        """Takes the geometries, of any source and with any role.
+
+        Raises:
+            ValueError: no ray can be cast at a geometry's shape.
+        """
+        self._ids = list(geometry_ids)
+        self._shapes = [
+            MakeRayShape(inspector.GetShape(id)) for id in self._ids
+        ]
+        self._radii = np.array([s.bounding_radius for s in self._shapes])
+
+    def Cast(
+        self,
+        *,
+        query_object: QueryObject,
+        origin: np.ndarray,
+        targets: np.ndarray,
+    ) -> np.ndarray:
+        """Returns what is first hit on the way to each target.
+
+        Args:
+            query_object: tells the geometries' poses in the world.
+            origin: where all rays start, in the world (in meters), (3,).
+            targets: where they end, in the world (in meters), (..., 3).
+
+        Returns:
+            The parameter t of the first hit, (...): in [0, 1], or inf where
+            the target is reached. 0 means that the origin is inside.
+        """
+        first = np.full(targets.shape[:-1], np.inf)
+        if not self._ids or not first.size:
+            return first
+        X_WG = [query_object.GetPoseInWorld(id) for id in self._ids]
+        p_OG = np.array([X.translation() for X in X_WG]) - origin
+        d = (targets - origin).reshape(-1, 3)
+        near = _near_balls(d, p_OG, self._radii)
+        t = first.reshape(-1)
+        for i in np.flatnonzero(np.any(near, axis=0)):
+            rays = np.flatnonzero(near[:, i])
+            R_WG = X_WG[i].rotation().matrix()
+            hits = self._shapes[i].intersect(-p_OG[i] @ R_WG, d[rays] @ R_WG)
+            t[rays] = np.minimum(t[rays], hits)
+        return np.where(first <= 1, first, np.inf)
+
+
+def CastRays(
+    *,
+    query_object: QueryObject,
+    geometry_ids: Iterable[GeometryId],
+    origin: np.ndarray,
+    targets: np.ndarray,
+) -> np.ndarray:
+    """Casts rays at geometries once; see OccluderSet.Cast.
+
+    To cast at the same geometries again and again, keep an OccluderSet.
+    """
+    occluders = OccluderSet(
+        inspector=query_object.inspector(), geometry_ids=geometry_ids
+    )
+    return occluders.Cast(
+        query_object=query_object, origin=origin, targets=targets
+    )
+
+
+class RayBody:
+    """All shapes of one body, to be hit at many poses of it at once."""
+
+    def __init__(
+        self, *, shapes: Sequence[Shape], X_BG: Sequence[RigidTransform]
+    ):
+        """Takes the shapes and their poses in the body.
+
+        Raises:
+            ValueError: no ray can be cast at a shape.
+        """
+        self._shapes = [
+            (MakeRayShape(shape), X.rotation().matrix(), X.translation())
+            for shape, X in zip(shapes, X_BG, strict=True)
+        ]
+
+    def Cast(
+        self, *, poses: np.ndarray, origin: np.ndarray, targets: np.ndarray
+    ) -> np.ndarray:
+        """Returns where the rays of particle m hit the body of particle m.
+
+        Args:
+            poses: (M, 7 or more), the body's poses X_WB: qw qx qy qz (of unit
+                length), x y z (in meters); what follows is not used.
+            origin: where all rays start, in the world (in meters), (3,).
+            targets: where they end, in the world (in meters), (M, ..., 3).
+
+        Returns:
+            The parameter t of the first hit, (M, ...): inf where there is
+            none, not even beyond the target; 0 where the origin is inside.
+        """
+        # Row i is the world's axis i of the rotated body: R_BW.
+        R_BW = quaternions.rotate(poses[:, None, :4], np.eye(3))
+        R_WB = np.swapaxes(R_BW, 1, 2)
+        o_B = (origin - poses[:, None, 4:7]) @ R_WB
+        d_B = (targets - origin).reshape(len(poses), -1, 3) @ R_WB
+        t = np.full(d_B.shape[:-1], np.inf)
+        for shape, R_BG, p_BG in self._shapes:
+            hits = shape.intersect((o_B - p_BG) @ R_BG, d_B @ R_BG)
+            t = np.minimum(t, hits)
+        return t.reshape(targets.shape[:-1])
+
+
+def _near_balls(
+    d: np.ndarray, p_OG: np.ndarray, radii: np.ndarray
+) -> np.ndarray:
+    """Returns which rays from 0 along d (N, 3) may hit which ball, (N, G)."""
+    length = np.linalg.norm(d, axis=-1, keepdims=True)
+    distance = np.linalg.norm(p_OG, axis=-1)
+    # From outside, a ray that touches the ball has come this far; the slack
+    # is far above rounding errors.
+    tangent = np.sqrt(np.maximum(distance**2 - radii**2, 0.0)) - 1e-6
+    tangent[distance <= radii] = -np.inf
+    tangent[distance - radii > np.max(length) + 1e-6] = np.inf
+    return (d / np.maximum(length, 1e-300)) @ p_OG.T >= tangent

@@ -1,0 +1,256 @@
+"""The diagram of the truth; it is not the filter's prediction model.
+
+Hydroelastic contact, a fine fixed step, friction and masses of its own, and a
+robot that a joint controller moves and that contact can push back.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.geometry import (
+    AddCompliantHydroelasticProperties,
+    AddContactMaterial,
+    AddRigidHydroelasticProperties,
+    GeometryId,
+    ProximityProperties,
+    RoleAssign,
+)
+from pydrake.multibody.plant import (
+    ContactModel,
+    CoulombFriction,
+    DiscreteContactApproximation,
+    MultibodyPlant,
+)
+from pydrake.multibody.tree import (
+    BodyIndex,
+    JointIndex,
+    ModelInstanceIndex,
+    PdControllerGains,
+)
+from pydrake.planning import RobotDiagram, RobotDiagramBuilder
+from pydrake.systems.framework import Context
+from pydrake.systems.primitives import TrajectorySource
+from pydrake.trajectories import PiecewisePolynomial
+
+from pbpf_drake.push_path import (
+    ActuatedJoints,
+    MakeJointTrajectory,
+    MakeTranslation,
+    draw_offsets,
+)
+from pbpf_drake.recording_config import RecordingConfig
+from pbpf_drake.scene import Scene
+from pbpf_drake.scene_models import AddSceneModels, SceneModels
+from pbpf_drake.simulated_detector import AddLabelRenderer
+
+# Time between two postures whose contact with what is fixed is checked (in
+# seconds).
+_CHECK_PERIOD = 0.25
+
+
+@dataclass(frozen=True)
+class TruthParameters:
+    """What is drawn once per run.
+
+    Attributes:
+        mass_scale: (K,) true masses of the objects over their models'.
+        friction: between objects and everything fixed.
+        robot_friction: of the robot's surface.
+        offsets: (W, 3) errors of the path's waypoints (in meters).
+    """
+
+    mass_scale: np.ndarray
+    friction: float
+    robot_friction: float
+    offsets: np.ndarray
+
+
+def draw_truth_parameters(
+    config: RecordingConfig, num_objects: int, rng: np.random.Generator
+) -> TruthParameters:
+    """Draws the true parameters of a run."""
+    return TruthParameters(
+        mass_scale=rng.uniform(
+            config.mass_scale.min, config.mass_scale.max, num_objects
+        ),
+        friction=rng.uniform(config.friction.min, config.friction.max),
+        robot_friction=rng.uniform(
+            config.robot_friction.min, config.robot_friction.max
+        ),
+        offsets=draw_offsets(config.path, rng),
+    )
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The diagram and who is who in it.
+
+    Attributes:
+        diagram: plant, scene graph, controller and path.
+        models: the roles of the scene's models.
+        joints: the robot's joints, in the order of its actuators.
+        trajectory: their commanded positions over time.
+    """
+
+    diagram: RobotDiagram
+    models: SceneModels
+    joints: Sequence[JointIndex]
+    trajectory: PiecewisePolynomial
+
+
+def MakeTruth(*, scene: Scene, parameters: TruthParameters) -> Truth:
+    """Builds the truth of a scene.
+
+    Raises:
+        ValueError: the scene's ``recording`` doesn't fit its models, or the
+            robot can't follow the path.
+    """
+    config = scene.recording
+    builder = RobotDiagramBuilder(time_step=config.time_step)
+    plant, scene_graph = builder.plant(), builder.scene_graph()
+    plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
+    plant.set_discrete_contact_approximation(
+        DiscreteContactApproximation.kLagged
+    )
+    models = AddSceneModels(plant, scene)
+    _set_contact(plant, scene_graph, models, config, parameters)
+    joints = ActuatedJoints(plant, models.robot)
+    _set_controller(plant, models.robot, config)
+    AddLabelRenderer(scene_graph)
+    plant.Finalize()
+    trajectory = MakeJointTrajectory(
+        plant=plant,
+        robot=models.robot,
+        end_effector=config.path.end_effector,
+        translation=MakeTranslation(config.path, parameters.offsets),
+    )
+    commands = builder.builder().AddNamedSystem(
+        name="path",
+        system=TrajectorySource(
+            trajectory=trajectory,
+            output_derivative_order=1,
+            zero_derivatives_beyond_limits=True,
+        ),
+    )
+    builder.builder().Connect(
+        commands.get_output_port(),
+        plant.get_desired_state_input_port(models.robot),
+    )
+    return Truth(builder.Build(), models, joints, trajectory)
+
+
+def MakeTruthContext(*, truth: Truth, parameters: TruthParameters) -> Context:
+    """Returns the state at the start, with the true masses.
+
+    Raises:
+        ValueError: the path leads into something fixed.
+    """
+    diagram, plant = truth.diagram, truth.diagram.plant()
+    context = diagram.CreateDefaultContext()
+    plant_context = diagram.mutable_plant_context(context)
+    for body, scale in zip(
+        truth.models.objects, parameters.mass_scale, strict=True
+    ):
+        mass = plant.get_body(body).default_mass()
+        plant.get_body(body).SetMass(plant_context, mass * scale)
+    _check_path(truth, context)
+    return context
+
+
+def _set_contact(
+    plant: MultibodyPlant,
+    scene_graph,
+    models: SceneModels,
+    config: RecordingConfig,
+    parameters: TruthParameters,
+) -> None:
+    """Replaces what the models' files say of contact by the truth's own."""
+    for i in range(plant.num_bodies()):
+        body = plant.get_body(BodyIndex(i))
+        properties = ProximityProperties()
+        if body.index() in models.objects:
+            AddCompliantHydroelasticProperties(
+                config.resolution_hint, config.hydroelastic_modulus, properties
+            )
+        else:
+            AddRigidHydroelasticProperties(config.resolution_hint, properties)
+        is_robot = body.model_instance() == models.robot
+        mu = parameters.robot_friction if is_robot else parameters.friction
+        AddContactMaterial(
+            dissipation=config.dissipation,
+            friction=CoulombFriction(mu, mu),
+            properties=properties,
+        )
+        for geometry in plant.GetCollisionGeometriesForBody(body):
+            scene_graph.AssignRole(
+                plant.get_source_id(), geometry, properties, RoleAssign.kReplace
+            )
+
+
+def _set_controller(
+    plant: MultibodyPlant, robot: ModelInstanceIndex, config: RecordingConfig
+) -> None:
+    # Before Finalize, only the list of all actuators is complete.
+    actuators = [
+        plant.get_joint_actuator(i) for i in plant.GetJointActuatorIndices()
+    ]
+    actuators = [a for a in actuators if a.model_instance() == robot]
+    for name in ("stiffness", "damping"):
+        if len(getattr(config, name)) != len(actuators):
+            raise ValueError(
+                f"recording.{name} has {len(getattr(config, name))} numbers; "
+                f"expected one for each of the robot's {len(actuators)} "
+                "actuators"
+            )
+    for actuator, p, d in zip(
+        actuators, config.stiffness, config.damping, strict=True
+    ):
+        actuator.set_controller_gains(PdControllerGains(p=p, d=d))
+    plant.set_gravity_enabled(robot, False)
+
+
+def _robot_in_fixed(
+    truth: Truth, context: Context
+) -> list[tuple[GeometryId, GeometryId]]:
+    """Returns pairs of geometries, one of the robot and one fixed."""
+    diagram, plant = truth.diagram, truth.diagram.plant()
+    query = plant.get_geometry_query_input_port().Eval(
+        diagram.plant_context(context)
+    )
+    inspector = query.inspector()
+
+    def is_pair(a: GeometryId, b: GeometryId) -> bool:
+        bodies = [
+            plant.GetBodyFromFrameId(inspector.GetFrameId(g)) for g in (a, b)
+        ]
+        return any(
+            x.model_instance() == truth.models.robot
+            and y.index() in truth.models.fixed
+            for x, y in (bodies, bodies[::-1])
+        )
+
+    return [
+        (p.id_A, p.id_B)
+        for p in query.ComputePointPairPenetration()
+        if is_pair(p.id_A, p.id_B)
+    ]
+
+
+def _check_path(truth: Truth, context: Context) -> None:
+    """Raises ValueError if the commanded motion runs into something fixed."""
+    diagram, plant = truth.diagram, truth.diagram.plant()
+    probe = context.Clone()
+    plant_context = diagram.mutable_plant_context(probe)
+    rows = [plant.get_joint(j).position_start() for j in truth.joints]
+    positions = plant.GetPositions(plant_context)
+    inspector = diagram.scene_graph().model_inspector()
+    end = truth.trajectory.end_time()
+    for time in np.arange(0.0, end + _CHECK_PERIOD, _CHECK_PERIOD):
+        positions[rows] = truth.trajectory.value(min(time, end))[:, 0]
+        plant.SetPositions(plant_context, positions)
+        for a, b in _robot_in_fixed(truth, probe):
+            raise ValueError(
+                f"recording.path at {time:.2f} s: {inspector.GetName(a)!r} "
+                f"and {inspector.GetName(b)!r} run into each other"
+            )

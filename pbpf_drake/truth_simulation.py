@@ -1,0 +1,186 @@
+"""Simulates the truth of a scene and records it as a log."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.math import RigidTransform
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context
+
+from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
+from pbpf_drake.scene import Scene
+from pbpf_drake.simulated_detector import SimulatedDetector, VisibilityCamera
+from pbpf_drake.truth_model import (
+    MakeTruth,
+    MakeTruthContext,
+    Truth,
+    TruthParameters,
+    draw_truth_parameters,
+)
+
+# The log's first stamp (in nanoseconds): to ROS, a stamp of 0 is none.
+_START_TIME = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A simulated run.
+
+    Attributes:
+        log: what was recorded.
+        parameters: what was drawn for this run.
+        image_times: (N,) times of the camera's images (in seconds).
+        visibility: (N, K) visible share of each object in them.
+    """
+
+    log: Log
+    parameters: TruthParameters
+    image_times: np.ndarray
+    visibility: np.ndarray
+
+
+def RecordTruth(
+    *, scene: Scene, progress: Callable[[float], None] | None = None
+) -> Recording:
+    """Simulates a scene as its ``recording`` says.
+
+    All randomness is a function of ``recording.seed``.
+
+    Args:
+        scene: the scene.
+        progress: called with the time reached (in seconds), often.
+
+    Raises:
+        ValueError: ``recording`` has a bad value, doesn't fit the scene's
+            models, or its path can't be followed.
+    """
+    config = scene.recording
+    try:
+        config.ValidateOrThrow()
+        parameters = draw_truth_parameters(
+            config, len(scene.tracked), _make_generator(config.seed, 0)
+        )
+        truth = MakeTruth(scene=scene, parameters=parameters)
+        context = MakeTruthContext(truth=truth, parameters=parameters)
+    except ValueError as error:
+        where = f"Scene {scene.path or '(without a file)'}"
+        raise ValueError(f"{where}: {error}") from error
+    recorder = _Recorder(scene=scene, truth=truth)
+    simulator = Simulator(truth.diagram, context)
+    periods = {
+        recorder.RecordJoints: config.joint_period,
+        recorder.RecordGroundTruth: config.ground_truth_period,
+        recorder.RecordDetections: config.detector.period,
+    }
+    for time, calls in _schedule(periods, config.duration, config.time_step):
+        simulator.AdvanceTo(time, interruptible=False)
+        for call in calls:
+            call(time, context)
+        if progress is not None:
+            progress(time)
+    return recorder.MakeRecording(parameters)
+
+
+def _make_generator(seed: int, purpose: int) -> np.random.Generator:
+    return np.random.default_rng(
+        np.random.SeedSequence(seed, spawn_key=(purpose,))
+    )
+
+
+def _schedule(periods: dict, duration: float, time_step: float):
+    """Yields each time at which something is due, and what is.
+
+    Whole steps are counted, so that a period is the same everywhere and the
+    state at a time is that of its step.
+    """
+    steps = {call: max(1, round(p / time_step)) for call, p in periods.items()}
+    last = round(duration / time_step)
+    due = np.unique(
+        np.concatenate([np.arange(0, last + 1, n) for n in steps.values()])
+    )
+    for step in due:
+        yield (
+            float(step * time_step),
+            [call for call, n in steps.items() if step % n == 0],
+        )
+
+
+class _Recorder:
+    """Collects what goes into the log while the simulation runs."""
+
+    def __init__(self, *, scene: Scene, truth: Truth) -> None:
+        config, plant = scene.recording, truth.diagram.plant()
+        self._truth = truth
+        self._names = scene.object_names()
+        joints = [plant.get_joint(j) for j in truth.joints]
+        self._joint_names = tuple(j.name() for j in joints)
+        self._q_rows = [j.position_start() for j in joints]
+        self._v_rows = [j.velocity_start() for j in joints]
+        self._camera = VisibilityCamera(
+            diagram=truth.diagram,
+            objects=truth.models.objects,
+            camera=scene.camera,
+        )
+        self._detector = SimulatedDetector(
+            config=config.detector,
+            names=self._names,
+            X_WC=scene.camera.pose(),
+            rng=_make_generator(config.seed, 1),
+        )
+        self._joints: list[tuple] = []
+        self._ground_truth: list[tuple] = []
+        self._images: list[tuple] = []
+        self._detections: list[DetectionRecord] = []
+
+    def RecordJoints(self, time: float, context: Context) -> None:
+        plant = self._truth.diagram.plant()
+        plant_context = self._truth.diagram.plant_context(context)
+        q = plant.GetPositions(plant_context)[self._q_rows]
+        v = plant.GetVelocities(plant_context)[self._v_rows]
+        self._joints.append((time, q, v))
+
+    def RecordGroundTruth(self, time: float, context: Context) -> None:
+        self._ground_truth.append((time, self._poses(context)))
+
+    def RecordDetections(self, time: float, context: Context) -> None:
+        plant = self._truth.diagram.plant()
+        visibility = self._camera.CalcVisibility(
+            plant.GetPositions(self._truth.diagram.plant_context(context))
+        )
+        self._images.append((time, visibility))
+        self._detections += self._detector.Detect(
+            time=time, poses=self._poses(context), visibility=visibility
+        )
+
+    def MakeRecording(self, parameters: TruthParameters) -> Recording:
+        times, q, v = (np.array(x) for x in zip(*self._joints, strict=True))
+        log = Log(
+            joints=JointRecord(
+                names=self._joint_names, times=times, positions=q, velocities=v
+            ),
+            detections=tuple(self._detections),
+            ground_truth={
+                name: self._pose_record(k)
+                for k, name in enumerate(self._names)
+            },
+            start_time=_START_TIME,
+        )
+        times, visibility = (np.array(x) for x in zip(*self._images, strict=True))
+        return Recording(log, parameters, times, visibility)
+
+    def _poses(self, context: Context) -> list[RigidTransform]:
+        plant = self._truth.diagram.plant()
+        plant_context = self._truth.diagram.plant_context(context)
+        return [
+            plant.get_body(b).EvalPoseInWorld(plant_context)
+            for b in self._truth.models.objects
+        ]
+
+    def _pose_record(self, k: int) -> PoseRecord:
+        poses = [poses[k] for _, poses in self._ground_truth]
+        return PoseRecord(
+            times=np.array([time for time, _ in self._ground_truth]),
+            q_WO=np.array([X.rotation().ToQuaternion().wxyz() for X in poses]),
+            p_WO=np.array([X.translation() for X in poses]),
+        )
