@@ -75,7 +75,7 @@ def MakeErrorFigure(
 
 
 def _draw_object(
-    axes: Sequence[Axes],
+    axes: np.ndarray,
     records: Sequence[TrackRecord],
     name: str,
     truth: PoseRecord | None,

@@ -46,12 +46,15 @@ class MotionResult:
     Attributes:
         poses: (M, K, 7), all finite.
         velocities: (M, K, 6), all finite.
+        supports: (M, K, 3) unit normal of the flat support that an object
+            stands on; zeros where it is free, or where that isn't known.
         failed: (M,) particles that could not be predicted. They keep their
             old pose and must not survive.
     """
 
     poses: np.ndarray
     velocities: np.ndarray
+    supports: np.ndarray
     failed: np.ndarray
 
 
@@ -110,6 +113,7 @@ class ConstantVelocityMotionModel:
         return MotionResult(
             np.concatenate([q, motion.poses[..., 4:] + dp], axis=-1),
             motion.velocities,
+            np.zeros((*motion.poses.shape[:2], 3)),
             np.zeros(len(motion.poses), dtype=bool),
         )
 

@@ -132,7 +132,7 @@ class ParticleFilterUpdate:
         state = self._Resample(state, step)
         motion = self._Predict(state, path, step, scratch[0])
         active = state.num_estimates > 0
-        predicted = self._AddNoise(motion.poses, active, step)
+        predicted = self._AddNoise(motion, active, step)
         velocities = motion.velocities.copy()
         for k in [k for k in detections if not active[k]]:
             predicted[:, k] = self._Start(k, detections[k], step)
@@ -201,15 +201,16 @@ class ParticleFilterUpdate:
         return self._motion_model.Propagate(motion, scratch)
 
     def _AddNoise(
-        self, poses: np.ndarray, active: np.ndarray, step: int
+        self, motion: MotionResult, active: np.ndarray, step: int
     ) -> np.ndarray:
         """+ ε, ε ~ N(0, σ_f²), for the objects that are tracked."""
         noisy = add_process_noise(
-            poses,
+            motion.poses,
             self._config.process_noise,
             self._Generator(step, Stream.PROCESS_NOISE),
+            motion.supports,
         )
-        return np.where(active[:, None], noisy, poses)
+        return np.where(active[:, None], noisy, motion.poses)
 
     def _Start(self, k: int, detection: np.ndarray, step: int) -> np.ndarray:
         """The first particles of an object, around its first detection."""

@@ -51,11 +51,10 @@ def push_out(
 def _push(
     model: PredictionModel, q: np.ndarray, pair: PenetrationAsPointPair
 ) -> None:
-    a = [pair.id_A in geometries for geometries in model.object_geometries]
-    b = [pair.id_B in geometries for geometries in model.object_geometries]
-    share = 0.5 if any(a) and any(b) else 1.0
+    a, b = model.owner(pair.id_A), model.owner(pair.id_B)
+    share = 1.0 if a is None or b is None else 0.5
     push = share * pair.depth * pair.nhat_BA_W
-    if any(a):
-        q[model.object_q[a.index(True), 4:]] += push
-    if any(b):
-        q[model.object_q[b.index(True), 4:]] -= push
+    if a is not None:
+        q[model.object_q[a, 4:]] += push
+    if b is not None:
+        q[model.object_q[b, 4:]] -= push

@@ -19,6 +19,7 @@ from pbpf_drake.physical_parameters import (
 from pbpf_drake.prediction_model import PredictionModel
 from pbpf_drake.prediction_pool import MakeSimulator, PredictionPool
 from pbpf_drake.random_streams import MakeGenerator, Stream
+from pbpf_drake.support import find_supports
 
 # Corners of the robot's motion that are cut (in radians or meters).
 _PATH_TOLERANCE = 5e-4
@@ -73,6 +74,7 @@ class PhysicsMotionModel:
     ) -> MotionResult:
         """Returns f_θ(x_{t-1}, u_t); see MotionModel."""
         poses, velocities = motion.poses.copy(), motion.velocities.copy()
+        supports = np.zeros((*poses.shape[:2], 3))
         failed = np.zeros(len(poses), dtype=bool)
         path = simplify_path(motion.path, _PATH_TOLERANCE)
         start = self._Positions(poses, path.positions[0], motion.active)
@@ -86,9 +88,10 @@ class PhysicsMotionModel:
                 failed[m] = True
                 return
             self._Store(m, q, v, motion.active, poses, velocities, failed)
+            supports[m] = find_supports(self._model, simulator.get_context())
 
         scratch.Run(simulate, range(len(poses)))
-        return MotionResult(poses, velocities, failed)
+        return MotionResult(poses, velocities, supports, failed)
 
     def ResolvePenetration(
         self,

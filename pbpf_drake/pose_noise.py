@@ -35,21 +35,32 @@ def perturb_poses(
 
 
 def add_process_noise(
-    poses: np.ndarray, stddev: PoseStddev, rng: np.random.Generator
+    poses: np.ndarray,
+    stddev: PoseStddev,
+    rng: np.random.Generator,
+    supports: np.ndarray | None = None,
 ) -> np.ndarray:
     """Returns poses + ε, ε ~ N(0, σ_f²) (Section 4.1).
+
+    Of what stands on a support, only the part of the noise counts that slides
+    it there and turns it about the normal.
 
     Args:
         poses: (..., 7).
         stddev: of each axis of the position, and of the angle about an axis
             drawn uniformly.
         rng: where the numbers come from.
+        supports: (..., 3) unit normals, or zeros for what stands on nothing.
     """
     shape = poses.shape[:-1]
     dp = stddev.position * rng.standard_normal((*shape, 3))
-    return perturb_poses(
-        poses, dp, random_rotation_vectors(shape, stddev.rotation, rng)
-    )
+    dr = random_rotation_vectors(shape, stddev.rotation, rng)
+    if supports is not None:
+        stands = np.any(supports, axis=-1, keepdims=True)
+        dp = dp - supports * np.sum(dp * supports, axis=-1, keepdims=True)
+        normal = supports * np.sum(dr * supports, axis=-1, keepdims=True)
+        dr = np.where(stands, normal, dr)
+    return perturb_poses(poses, dp, dr)
 
 
 def sample_initial_poses(

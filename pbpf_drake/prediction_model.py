@@ -52,6 +52,7 @@ class PredictionModel:
         object_q: (K, 7) indices into q: qw qx qy qz, x y z.
         object_v: (K, 6) indices into v: angular, then translational.
         object_geometries: the geometry ids of each object.
+        fixed_geometries: those of the fixed models.
         nominal_poses: (K, 7) the scene's own poses of the objects.
     """
 
@@ -63,7 +64,15 @@ class PredictionModel:
     object_q: np.ndarray
     object_v: np.ndarray
     object_geometries: tuple[frozenset[GeometryId], ...]
+    fixed_geometries: frozenset[GeometryId]
     nominal_poses: np.ndarray
+
+    def owner(self, geometry: GeometryId) -> int | None:
+        """Returns which tracked object a geometry is part of, if any."""
+        for k, geometries in enumerate(self.object_geometries):
+            if geometry in geometries:
+                return k
+        return None
 
 
 def MakePredictionModel(scene: Scene) -> PredictionModel:
@@ -104,6 +113,13 @@ def MakePredictionModel(scene: Scene) -> PredictionModel:
         object_v=object_v,
         object_geometries=tuple(
             frozenset(plant.GetCollisionGeometriesForBody(b)) for b in bodies
+        ),
+        fixed_geometries=frozenset(
+            geometry
+            for b in models.fixed
+            for geometry in plant.GetCollisionGeometriesForBody(
+                plant.get_body(b)
+            )
         ),
         nominal_poses=plant.GetPositions(context)[object_q],
     )

@@ -120,10 +120,9 @@ def MakeJointTrajectory(
     frame = plant.GetFrameByName(end_effector, robot)
     context = plant.CreateDefaultContext()
     X_WE0 = frame.CalcPoseInWorld(context)
-    count = 1 + int(np.ceil(translation.get_segment_times()[-1] / _SAMPLE_PERIOD))
-    times = np.linspace(
-        translation.start_time(), translation.end_time(), max(count, 2)
-    )
+    start, end = translation.start_time(), translation.end_time()
+    num_samples = 2 + int((end - start) / _SAMPLE_PERIOD)
+    times = np.linspace(start, end, num_samples)
     rows = [plant.get_joint(j).position_start() for j in joints]
     postures = [plant.GetPositions(context)]
     for time in times:

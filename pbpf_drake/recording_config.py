@@ -6,6 +6,7 @@ used, by ``ValidateOrThrow``.
 """
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 import math
 
 from pbpf_drake.particle_filter_config import PoseStddev
@@ -78,7 +79,7 @@ class PathConfig:
         )
         times = [w.time for w in self.waypoints]
         _require(
-            len(times) >= 2 and all(b > a for a, b in zip(times, times[1:])),
+            len(times) >= 2 and all(b > a for a, b in pairwise(times)),
             f"{name}.waypoints",
             times,
             "at least two, their times increasing",

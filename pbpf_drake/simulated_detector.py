@@ -143,9 +143,11 @@ class VisibilityCamera:
     def _render(self, context: Context, positions: np.ndarray) -> np.ndarray:
         plant: MultibodyPlant = self._diagram.plant()
         scene_graph: SceneGraph = self._diagram.scene_graph()
-        plant.SetPositions(plant.GetMyMutableContextFromRoot(context), positions)
+        plant.SetPositions(
+            plant.GetMyMutableContextFromRoot(context), positions
+        )
         query = scene_graph.get_query_output_port().Eval(
-            scene_graph.GetMyContextFromRoot(context)
+            self._diagram.scene_graph_context(context)
         )
         image = query.RenderLabelImage(
             camera=self._camera,
@@ -158,7 +160,7 @@ class VisibilityCamera:
 def AddLabelRenderer(scene_graph: SceneGraph) -> None:
     """Adds what ``VisibilityCamera`` renders with."""
     scene_graph.AddRenderer(
-        _RENDERER, MakeRenderEngineVtk(RenderEngineVtkParams(backend="EGL"))
+        _RENDERER, MakeRenderEngineVtk(RenderEngineVtkParams())
     )
 
 

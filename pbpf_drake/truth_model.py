@@ -12,7 +12,6 @@ from pydrake.geometry import (
     AddCompliantHydroelasticProperties,
     AddContactMaterial,
     AddRigidHydroelasticProperties,
-    GeometryId,
     ProximityProperties,
     RoleAssign,
 )
@@ -33,6 +32,7 @@ from pydrake.systems.framework import Context
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
+from pbpf_drake.path_collision import CheckPath
 from pbpf_drake.push_path import (
     ActuatedJoints,
     MakeJointTrajectory,
@@ -43,10 +43,6 @@ from pbpf_drake.recording_config import RecordingConfig
 from pbpf_drake.scene import Scene
 from pbpf_drake.scene_models import AddSceneModels, SceneModels
 from pbpf_drake.simulated_detector import AddLabelRenderer
-
-# Time between two postures whose contact with what is fixed is checked (in
-# seconds).
-_CHECK_PERIOD = 0.25
 
 
 @dataclass(frozen=True)
@@ -154,7 +150,12 @@ def MakeTruthContext(*, truth: Truth, parameters: TruthParameters) -> Context:
     ):
         mass = plant.get_body(body).default_mass()
         plant.get_body(body).SetMass(plant_context, mass * scale)
-    _check_path(truth, context)
+    CheckPath(
+        diagram=diagram,
+        models=truth.models,
+        joints=truth.joints,
+        trajectory=truth.trajectory,
+    )
     return context
 
 
@@ -208,49 +209,3 @@ def _set_controller(
     ):
         actuator.set_controller_gains(PdControllerGains(p=p, d=d))
     plant.set_gravity_enabled(robot, False)
-
-
-def _robot_in_fixed(
-    truth: Truth, context: Context
-) -> list[tuple[GeometryId, GeometryId]]:
-    """Returns pairs of geometries, one of the robot and one fixed."""
-    diagram, plant = truth.diagram, truth.diagram.plant()
-    query = plant.get_geometry_query_input_port().Eval(
-        diagram.plant_context(context)
-    )
-    inspector = query.inspector()
-
-    def is_pair(a: GeometryId, b: GeometryId) -> bool:
-        bodies = [
-            plant.GetBodyFromFrameId(inspector.GetFrameId(g)) for g in (a, b)
-        ]
-        return any(
-            x.model_instance() == truth.models.robot
-            and y.index() in truth.models.fixed
-            for x, y in (bodies, bodies[::-1])
-        )
-
-    return [
-        (p.id_A, p.id_B)
-        for p in query.ComputePointPairPenetration()
-        if is_pair(p.id_A, p.id_B)
-    ]
-
-
-def _check_path(truth: Truth, context: Context) -> None:
-    """Raises ValueError if the commanded motion runs into something fixed."""
-    diagram, plant = truth.diagram, truth.diagram.plant()
-    probe = context.Clone()
-    plant_context = diagram.mutable_plant_context(probe)
-    rows = [plant.get_joint(j).position_start() for j in truth.joints]
-    positions = plant.GetPositions(plant_context)
-    inspector = diagram.scene_graph().model_inspector()
-    end = truth.trajectory.end_time()
-    for time in np.arange(0.0, end + _CHECK_PERIOD, _CHECK_PERIOD):
-        positions[rows] = truth.trajectory.value(min(time, end))[:, 0]
-        plant.SetPositions(plant_context, positions)
-        for a, b in _robot_in_fixed(truth, probe):
-            raise ValueError(
-                f"recording.path at {time:.2f} s: {inspector.GetName(a)!r} "
-                f"and {inspector.GetName(b)!r} run into each other"
-            )

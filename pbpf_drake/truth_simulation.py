@@ -161,12 +161,13 @@ class _Recorder:
             ),
             detections=tuple(self._detections),
             ground_truth={
-                name: self._pose_record(k)
-                for k, name in enumerate(self._names)
+                name: self._pose_record(k) for k, name in enumerate(self._names)
             },
             start_time=_START_TIME,
         )
-        times, visibility = (np.array(x) for x in zip(*self._images, strict=True))
+        times, visibility = (
+            np.array(x) for x in zip(*self._images, strict=True)
+        )
         return Recording(log, parameters, times, visibility)
 
     def _poses(self, context: Context) -> list[RigidTransform]:

@@ -7,7 +7,7 @@ the models have with the proximity role, exactly as the files say it.
 import numpy as np
 from pydrake.geometry import GeometryId
 from pydrake.multibody.tree import BodyIndex
-from pydrake.planning import RobotDiagramBuilder
+from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 from pydrake.systems.framework import Context
 
 from pbpf_drake import quaternions
@@ -16,10 +16,6 @@ from pbpf_drake.ray_casting import CastRays, OccluderSet, RayBody
 from pbpf_drake.scene import CameraConfig, Scene
 from pbpf_drake.scene_models import AddSceneModels
 from pbpf_drake.surface_sampling import BodySurface
-
-# Bodies in contact share points of their surfaces, which hide nothing. This
-# is the part of a ray's length that rounding could take there.
-_CONTACT = 1e-9
 
 
 def visibility_log_factor(
@@ -91,11 +87,11 @@ class VisibilityModel:
         """
         self._camera = scene.camera
         self._X_CW = scene.camera.pose().inverse()
-        self._origin = scene.camera.pose().translation()
+        self._origin = np.array(scene.camera.pose().translation())
         self._num_rays = num_rays
         builder = RobotDiagramBuilder(time_step=0.0)
         models = AddSceneModels(builder.plant(), scene)
-        self._diagram = builder.Build()
+        self._diagram: RobotDiagram = builder.Build()
         self._robot = models.robot
         self._inspector = self._diagram.scene_graph().model_inspector()
         fixed = self._Geometries(models.fixed)
@@ -162,11 +158,10 @@ class VisibilityModel:
             t = self._bodies[body].Cast(
                 poses=particles[:, k], origin=self._origin, targets=p_WT
             )
-            # The target is on the body, whatever rounding says.
-            own[:, k] = np.minimum(t[:, k], 1.0)
+            own[:, k] = t[:, k]
             t[:, k] = np.inf
             hidden_at = np.minimum(hidden_at, t)
-        return own <= hidden_at + _CONTACT
+        return own <= hidden_at
 
     def _CastAtRobotAndFixed(self, p_WT, robot_positions, scratch):
         """Returns t of the first hit, (M, K, R), or inf."""

@@ -155,6 +155,11 @@ def _bounding_box(
 ) -> tuple[RigidTransform, np.ndarray]:
     """Returns X_BA and half the size (3,) of a box A around the geometry."""
     box = CalcObb(geometry.shape)
+    if box is None:
+        raise ValueError(
+            f"{geometry.shape} is illustration of a tracked object; expected "
+            "a shape with a size"
+        )
     return geometry.X_BG @ box.pose(), np.asarray(box.half_width())
 
 

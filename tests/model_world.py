@@ -62,6 +62,8 @@ def _world(add_models) -> World:
 
 
 def load_model(file: str, weld: str = "") -> World:
+    """Parses one model strictly; ``weld`` names a frame to fix."""
+
     def add(plant):
         parser = Parser(plant)
         parser.SetStrictParsing()  # Warnings become errors.
@@ -74,6 +76,7 @@ def load_model(file: str, weld: str = "") -> World:
 
 
 def load_scene(name: str) -> tuple[World, CameraConfig, RigidBody]:
+    """Loads a scene file; returns also its camera and tracked body."""
     path = data_folder("diagrams") / "scenes" / f"{name}.yaml"
     scene, found = LoadScene(path), []
     world = _world(lambda plant: found.append(AddSceneModels(plant, scene)))

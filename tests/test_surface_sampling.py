@@ -44,6 +44,13 @@ def _ellipsoid_integral(function):
     return 8 * dblquad(integrand, 0, 1, 0, np.pi / 2, epsabs=1e-9)[0]
 
 
+def _surface_centroid(corners):
+    triangles = corners[ConvexHull(corners).simplices]
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=-1)
+    return areas @ triangles.mean(axis=1) / areas.sum()
+
+
 AREAS = {
     "box": 2 * (0.1 * 0.2 + 0.1 * 0.4 + 0.2 * 0.4),
     "sphere": 4 * np.pi * 0.3**2,
@@ -121,6 +128,10 @@ MEANS = {
             / AREAS["convex"],
         )
         for f in ConvexHull(CORNERS).equations
+    ]
+    + [
+        (lambda p, i=i: p[:, i], mean)
+        for i, mean in enumerate(_surface_centroid(CORNERS))
     ],
 }
 

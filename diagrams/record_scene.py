@@ -1,0 +1,118 @@
+"""Simulates a scene's push and records it as a log that pbpf-track reads.
+
+The truth is not the filter's prediction model: see pbpf_drake.truth_model.
+Without arguments it records the log that comes with pbpf_drake.
+"""
+
+import argparse
+from pathlib import Path
+import sys
+
+import numpy as np
+from tqdm import tqdm
+
+from pbpf_drake import quaternions
+from pbpf_drake.log import PoseRecord
+from pbpf_drake.mcap_log_writer import WriteLog
+from pbpf_drake.scene import LoadScene, Scene
+from pbpf_drake.scene_models import data_folder
+from pbpf_drake.truth_simulation import Recording, RecordTruth
+
+
+def _parse(argv: list[str] | None) -> argparse.Namespace:
+    scenes = data_folder("diagrams") / "scenes"
+    parser = argparse.ArgumentParser(
+        prog="pbpf-record",
+        description="Simulates the push that the recording section of a scene "
+        "describes, and writes joint states, detections and ground truth as "
+        "an MCAP file.",
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+    )
+    add = parser.add_argument
+    add("--scene", type=Path, default=scenes / "cheezit_1.yaml",
+        help="YAML file of the scene")  # fmt: skip
+    add("--out", type=Path, default=Path("pbpf_recording.mcap"),
+        help="MCAP file to write")  # fmt: skip
+    add("--seed", type=int, help="of all randomness (default: the scene's)")
+    add("--duration", type=float,
+        help="of the log, in seconds (default: the scene's)")  # fmt: skip
+    return parser.parse_args(argv)
+
+
+def _record(scene: Scene) -> Recording:
+    with tqdm(
+        total=scene.recording.duration,
+        desc="record",
+        bar_format="{l_bar}{bar}| {n:.1f}/{total:.1f} s [{elapsed}]",
+    ) as bar:
+        return RecordTruth(
+            scene=scene, progress=lambda time: bar.update(time - bar.n)
+        )
+
+
+def _describe_motion(truth: PoseRecord) -> str:
+    """Returns how far an object is at the end from where it started."""
+    way = np.linalg.norm(truth.p_WO[-1] - truth.p_WO[0])
+    turn = quaternions.angle_between(truth.q_WO[0], truth.q_WO[-1])
+    return f"moved by {1e3 * way:.0f} mm, turned by {np.degrees(turn):.0f} deg"
+
+
+def _describe(scene: Scene, recording: Recording) -> str:
+    """Returns what was recorded, line by line."""
+    log, parameters = recording.log, recording.parameters
+    lines = [
+        f"{log.duration:g} s with seed {scene.recording.seed}: "
+        f"{len(log.joints.times)} states of {len(log.joints.names)} joints, "
+        f"{len(recording.image_times)} images",
+        f"friction {parameters.friction:.3f} between objects and what is "
+        f"fixed, {parameters.robot_friction:.3f} of the robot",
+    ]
+    for k, (name, truth) in enumerate(log.ground_truth.items()):
+        count = sum(d.name == name for d in log.detections)
+        lines.append(
+            f"{name}: {_describe_motion(truth)}; detected in "
+            f"{count / len(recording.image_times):.0%} of the images; mass "
+            f"{parameters.mass_scale[k]:.3f} times its model's"
+        )
+    return "\n".join(lines)
+
+
+def run(args: argparse.Namespace) -> None:
+    """Records a scene; see _parse for the arguments.
+
+    Raises:
+        ValueError, FileNotFoundError: an argument or the scene can't be used;
+            the message says why.
+    """
+    scene = LoadScene(args.scene)
+    if args.seed is not None:
+        scene.recording.seed = args.seed
+    if args.duration is not None:
+        scene.recording.duration = args.duration
+    recording = _record(scene)
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    WriteLog(
+        filename=args.out,
+        scene_topics=scene.topics,
+        log=recording.log,
+        class_ids={
+            name: class_id for class_id, name in scene.object_by_class().items()
+        },
+    )
+    print(_describe(scene, recording))
+    print(f"Written to {args.out.resolve()}")
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Runs the command; returns its exit code."""
+    args = _parse(argv)
+    try:
+        run(args)
+    except (ValueError, OSError) as error:
+        print(f"pbpf-record: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
