@@ -89,6 +89,7 @@ def run(args: argparse.Namespace) -> None:
         scene.recording.seed = args.seed
     if args.duration is not None:
         scene.recording.duration = args.duration
+    scene.recording.ValidateOrThrow()
     recording = _record(scene)
     args.out.parent.mkdir(parents=True, exist_ok=True)
     WriteLog(

@@ -156,7 +156,7 @@ def _limit_axis(
     """Sets the range, so that no line or band flattens all others."""
     band = max(np.nanmax(b, initial=0.0) for b in bands)
     top = min(peaks.max(), limit)
-    top = max(top, min(band, 2.5 * top)) if top > 0 else band
+    top = max(top, min(band, 1.5 * top)) if top > 0 else band
     ax.set_ylim(0.0, 1.08 * top if top > 0 else 1.0)
 
 

@@ -6,6 +6,21 @@ from pbpf_drake import quaternions
 from pbpf_drake.particle_filter_config import PoseStddev
 
 
+def poses_at(start: np.ndarray, end: np.ndarray, fraction: float) -> np.ndarray:
+    """Returns poses (M, 7) between those at two times.
+
+    Args:
+        start: (M, 7) at the earlier time: qw qx qy qz, x y z (in meters).
+        end: (M, 7) at the later time.
+        fraction: 0 at the earlier time, 1 at the later; clipped to that.
+    """
+    u = min(max(fraction, 0.0), 1.0)
+    same = np.sum(start[:, :4] * end[:, :4], axis=-1, keepdims=True) >= 0
+    q = (1 - u) * start[:, :4] + u * np.where(same, end[:, :4], -end[:, :4])
+    p = (1 - u) * start[:, 4:] + u * end[:, 4:]
+    return np.concatenate([quaternions.normalize(q), p], axis=-1)
+
+
 def detection_log_likelihood(
     poses: np.ndarray, detection: np.ndarray, stddev: PoseStddev
 ) -> np.ndarray:

@@ -22,6 +22,7 @@ from pbpf_drake.particle_filter_update import (
     FilterState,
     MakeInitialState,
     ParticleFilterUpdate,
+    StampedPose,
 )
 from pbpf_drake.pose_statistics import pose_covariance
 from pbpf_drake.resampling import effective_sample_size
@@ -139,12 +140,15 @@ class PhysicsBasedParticleFilter(LeafSystem):
             for field in fields(FilterState)
         }
         # Rows of time, positions and velocities, the latest last.
-        self._samples_shape = (
-            self._config.control_samples + 1,
-            1 + 2 * num_joints,
-        )
+        num_samples = self._config.control_samples + 1
+        self._samples_shape = (num_samples, 1 + 2 * num_joints)
         self._samples_index = self.DeclareDiscreteState(
             np.zeros(self._samples_shape).ravel()
+        )
+        # Of each object, rows of time and pose, the latest last.
+        self._detections_shape = (len(self._object_names), num_samples, 8)
+        self._detections_index = self.DeclareDiscreteState(
+            np.full(self._detections_shape, -np.inf).ravel()
         )
         self._update_time_index = self.DeclareDiscreteState([-1.0])
 
@@ -190,7 +194,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
             self.DeclarePeriodicDiscreteUpdateEvent(
                 period_sec=period / samples,
                 offset_sec=period / samples,
-                update=self._SampleJoints,
+                update=self._Sample,
             )
         self.DeclarePeriodicDiscreteUpdateEvent(
             period_sec=period, offset_sec=period, update=self._Update
@@ -206,27 +210,25 @@ class PhysicsBasedParticleFilter(LeafSystem):
         )
         values.get_mutable_value(self._update_time_index)[:] = -1.0
 
-    def _SampleJoints(self, context: Context, values: DiscreteValues) -> None:
-        values.get_mutable_value(self._samples_index)[:] = self._Samples(
-            context
-        ).ravel()
+    def _Sample(self, context: Context, values: DiscreteValues) -> None:
+        """Keeps joints and detections until the next update."""
+        samples, detections = self._Samples(context), self._Detections(context)
+        values.get_mutable_value(self._samples_index)[:] = samples.ravel()
+        values.get_mutable_value(self._detections_index)[:] = detections.ravel()
 
     def _Update(self, context: Context, values: DiscreteValues) -> None:
         start = wall_clock.perf_counter()
+        self._Sample(context, values)
         state = self._State(context)
-        samples = self._Samples(context)
-        detections, detection_times = self._NewDetections(context, state)
         scratch = self.get_cache_entry(self._scratch_index).Eval(context)
         state = self._update.Update(
             state,
-            path=self._Path(context, samples),
-            detections=detections,
-            detection_times=detection_times,
+            path=self._Path(context),
+            detections=self._NewDetections(context, state),
             scratch=scratch.Get(),
         )
         for name, index in self._state_index.items():
             values.get_mutable_value(index)[:] = np.ravel(getattr(state, name))
-        values.get_mutable_value(self._samples_index)[:] = samples.ravel()
         values.get_mutable_value(self._update_time_index)[:] = (
             context.get_time()
         )
@@ -265,8 +267,9 @@ class PhysicsBasedParticleFilter(LeafSystem):
             return np.vstack([samples[:-1], now])
         return np.vstack([samples[1:], now])
 
-    def _Path(self, context: Context, samples: np.ndarray) -> ControlPath:
+    def _Path(self, context: Context) -> ControlPath:
         """Returns u_t: the samples since the last update."""
+        samples = self._Samples(context)
         last = context.get_discrete_state(self._update_time_index).value()[0]
         start = np.searchsorted(samples[:, 0], last + _SAME_TIME) - 1
         since = samples[max(start, 0) :]
@@ -277,14 +280,16 @@ class PhysicsBasedParticleFilter(LeafSystem):
             return path
         return add_hermite_midpoints(path, since[keep, n + 1 :])
 
-    def _NewDetections(
-        self, context: Context, state: FilterState
-    ) -> tuple[dict[int, np.ndarray], np.ndarray]:
-        """Returns the detections not used before, and (K,) their stamps."""
-        times = np.array(state.detection_times)
-        new: dict[int, np.ndarray] = {}
+    def _Detections(self, context: Context) -> np.ndarray:
+        """Returns the latest detections, with those of now as the last."""
+        detections = (
+            context.get_discrete_state(self._detections_index)
+            .value()
+            .reshape(self._detections_shape)
+            .copy()
+        )
         if not self._measurement_port.HasValue(context):
-            return new, times
+            return detections
         measurement = self._measurement_port.Eval(context)
         if not isinstance(measurement, DopeMeasurement):
             raise TypeError(
@@ -293,15 +298,24 @@ class PhysicsBasedParticleFilter(LeafSystem):
             )
         for k, name in enumerate(self._object_names):
             detection = measurement.detections.get(name)
-            if detection is None or not detection.time > times[k]:
+            if detection is None or not detection.time > detections[k, -1, 0]:
                 continue
+            row = np.append(detection.time, pose_array(detection.X_WO))
             age = abs(context.get_time() - detection.time)
-            pose = pose_array(detection.X_WO)
-            if age <= self._config.max_detection_age and np.all(
-                np.isfinite(pose)
-            ):
-                new[k], times[k] = pose, detection.time
-        return new, times
+            if age <= self._config.max_detection_age and all(np.isfinite(row)):
+                detections[k] = np.vstack([detections[k, 1:], row])
+        return detections
+
+    def _NewDetections(
+        self, context: Context, state: FilterState
+    ) -> dict[int, list[StampedPose]]:
+        """Returns the detections that no update has used yet."""
+        new = {}
+        for k, rows in enumerate(self._Detections(context)):
+            unused = rows[rows[:, 0] > state.detection_times[k]]
+            if len(unused):
+                new[k] = [StampedPose(row[0], row[1:]) for row in unused]
+        return new
 
     def _CalcEstimatedPoses(self, context: Context, output) -> None:
         estimates = self._State(context).estimates[0]
@@ -335,7 +349,9 @@ def pose_array(X_WO: RigidTransform) -> np.ndarray:
 
 def rigid_transform(pose: np.ndarray) -> RigidTransform:
     """Returns the pose (7,) as a RigidTransform."""
-    return RigidTransform(Quaternion(pose[:4] / np.linalg.norm(pose[:4])), pose[4:])
+    return RigidTransform(
+        Quaternion(pose[:4] / np.linalg.norm(pose[:4])), pose[4:]
+    )
 
 
 class _Scratch:

@@ -22,9 +22,9 @@ def _require(condition: bool, name: str, value, expected: str) -> None:
 class PoseStddev:
     """Standard deviations of a Gaussian error of a pose."""
 
-    # Of the position (in meters).
+    # Of the distance from the true position (in meters).
     position: float = 0.0
-    # Of the rotation angle (in radians).
+    # Of the angle from the true rotation (in radians).
     rotation: float = 0.0
 
     def ValidateOrThrow(self, name: str, *, minimum: float = 0.0) -> None:
@@ -52,9 +52,7 @@ class TruncatedGaussian:
         for part in ("mean", "stddev", "min"):
             value = getattr(self, part)
             _require(math.isfinite(value), f"{name}.{part}", value, "finite")
-        _require(
-            self.stddev >= 0, f"{name}.stddev", self.stddev, "at least 0"
-        )
+        _require(self.stddev >= 0, f"{name}.stddev", self.stddev, "at least 0")
         _require(self.min > 0, f"{name}.min", self.min, "more than 0")
 
 
@@ -137,8 +135,8 @@ class ParticleFilterConfig:
     # R, the rays per object (Section 4.3; the number is not in the paper, the
     # authors' code has 39 to 43).
     num_rays: int = 48
-    # ε ~ N(0, σ_f²), added after the prediction (Section 6): per axis of the
-    # position, and the angle about an axis drawn uniformly.
+    # ε ~ N(0, σ_f²), added after the prediction (Section 6): of the distance
+    # and of the angle, in the directions that a support leaves free.
     process_noise: PoseStddev = field(
         default_factory=lambda: PoseStddev(position=0.005, rotation=0.05)
     )
@@ -160,8 +158,8 @@ class ParticleFilterConfig:
     # A particle that is simulated to move faster than this is a failed one
     # (in m/s): nothing that is pushed or tilted does.
     max_speed: float = 2.0
-    # Accuracy of the error-controlled integrator.
-    integration_accuracy: float = 1e-3
+    # The step of the physics (in seconds).
+    time_step: float = 0.01
     # All randomness is a pure function of this and of the step.
     seed: int = 0
     # Threads that simulate particles; results do not depend on it.
@@ -172,7 +170,7 @@ class ParticleFilterConfig:
         for part in ("num_particles", "control_samples", "num_rays"):
             value = getattr(self, part)
             _require(value >= 1, part, value, "at least 1")
-        for part in ("period", "max_detection_age", "max_speed"):
+        for part in ("period", "max_detection_age", "max_speed", "time_step"):
             value = getattr(self, part)
             _require(
                 math.isfinite(value) and value > 0, part, value, "more than 0"
@@ -182,12 +180,6 @@ class ParticleFilterConfig:
             "motion",
             self.motion,
             "'physics' or 'constant_velocity'",
-        )
-        _require(
-            1e-6 <= self.integration_accuracy <= 0.1,
-            "integration_accuracy",
-            self.integration_accuracy,
-            "between 1e-6 and 0.1",
         )
         _require(self.seed >= 0, "seed", self.seed, "at least 0")
         _require(

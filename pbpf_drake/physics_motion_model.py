@@ -109,9 +109,7 @@ class PhysicsMotionModel:
         return poses
 
     def _MakeSimulator(self, index: int) -> Simulator:
-        simulator = MakeSimulator(
-            self._model, self._config.integration_accuracy
-        )
+        simulator = MakeSimulator(self._model, self._config.time_step)
         context = simulator.get_mutable_context()
         plant = self._model.diagram.plant()
         scene_graph = self._model.diagram.scene_graph()

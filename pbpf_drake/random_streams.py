@@ -20,7 +20,9 @@ class Stream(IntEnum):
     RESAMPLING = 5
 
 
-def MakeGenerator(*, seed: int, step: int, stream: Stream) -> np.random.Generator:
+def MakeGenerator(
+    *, seed: int, step: int, stream: Stream
+) -> np.random.Generator:
     """Returns the generator of one purpose at one step.
 
     Args:

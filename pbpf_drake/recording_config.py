@@ -170,8 +170,8 @@ class RecordingConfig:
     # Hydroelastic modulus of tracked objects (in pascals); the robot and what
     # is fixed are rigid.
     hydroelastic_modulus: float = 1e7
-    # Edge length of the contact meshes of round shapes (in meters).
-    resolution_hint: float = 0.01
+    # Edge length of the contact meshes of round shapes, over their radius.
+    mesh_resolution: float = 0.2
     # Hunt-Crossley dissipation of all contact (in s/m).
     dissipation: float = 10.0
     # The joint controller: a torque (or force) per position error and per
@@ -194,7 +194,7 @@ class RecordingConfig:
                 "joint_period",
                 "ground_truth_period",
                 "hydroelastic_modulus",
-                "resolution_hint",
+                "mesh_resolution",
             ),
         )
         _require(self.seed >= 0, f"{name}.seed", self.seed, "at least 0")

@@ -86,9 +86,7 @@ def _find_roles(plant: MultibodyPlant, scene: Scene) -> SceneModels:
     robot = _instance(plant, "robot", scene.robot)
     objects = tuple(_tracked_body(plant, name) for name in scene.tracked)
     tracked = {plant.GetModelInstanceByName(n) for n in scene.tracked}
-    welded = set(
-        b.index() for b in plant.GetBodiesWeldedTo(plant.world_body())
-    )
+    welded = set(b.index() for b in plant.GetBodiesWeldedTo(plant.world_body()))
     fixed = []
     for i in range(plant.num_bodies()):
         body = plant.get_body(BodyIndex(i))

@@ -26,6 +26,7 @@ from pydrake.systems.sensors import CameraInfo
 
 from pbpf_drake import quaternions
 from pbpf_drake.log import DetectionRecord
+from pbpf_drake.particle_filter_config import PoseStddev
 from pbpf_drake.pose_noise import random_rotation_vectors
 from pbpf_drake.recording_config import DetectorConfig
 from pbpf_drake.scene import CameraConfig
@@ -57,7 +58,7 @@ def detection_probability(visibility: float, config: DetectorConfig) -> float:
     return float(np.clip((visibility - low) / (high - low), 0.0, 1.0))
 
 
-def draw_pose_error(stddev, rng: np.random.Generator) -> np.ndarray:
+def draw_pose_error(stddev: PoseStddev, rng: np.random.Generator) -> np.ndarray:
     """Draws an error of a pose, (6,).
 
     Args:

@@ -58,9 +58,7 @@ def find_supports(model: PredictionModel, context: Context) -> np.ndarray:
             contacts[b].append((pair.p_WCb, -pair.nhat_BA_W))
     return np.array(
         [
-            support_normal(*np.array(c).swapaxes(0, 1))
-            if c
-            else np.zeros(3)
+            support_normal(*np.array(c).swapaxes(0, 1)) if c else np.zeros(3)
             for c in contacts
         ]
     )

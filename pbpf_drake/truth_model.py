@@ -12,8 +12,14 @@ from pydrake.geometry import (
     AddCompliantHydroelasticProperties,
     AddContactMaterial,
     AddRigidHydroelasticProperties,
+    Capsule,
+    Cylinder,
+    Ellipsoid,
     ProximityProperties,
     RoleAssign,
+    SceneGraph,
+    Shape,
+    Sphere,
 )
 from pydrake.multibody.plant import (
     ContactModel,
@@ -161,32 +167,48 @@ def MakeTruthContext(*, truth: Truth, parameters: TruthParameters) -> Context:
 
 def _set_contact(
     plant: MultibodyPlant,
-    scene_graph,
+    scene_graph: SceneGraph,
     models: SceneModels,
     config: RecordingConfig,
     parameters: TruthParameters,
 ) -> None:
     """Replaces what the models' files say of contact by the truth's own."""
+    inspector = scene_graph.model_inspector()
     for i in range(plant.num_bodies()):
         body = plant.get_body(BodyIndex(i))
-        properties = ProximityProperties()
-        if body.index() in models.objects:
-            AddCompliantHydroelasticProperties(
-                config.resolution_hint, config.hydroelastic_modulus, properties
-            )
-        else:
-            AddRigidHydroelasticProperties(config.resolution_hint, properties)
         is_robot = body.model_instance() == models.robot
         mu = parameters.robot_friction if is_robot else parameters.friction
-        AddContactMaterial(
-            dissipation=config.dissipation,
-            friction=CoulombFriction(mu, mu),
-            properties=properties,
-        )
         for geometry in plant.GetCollisionGeometriesForBody(body):
+            properties = ProximityProperties()
+            length = config.mesh_resolution * _radius(
+                inspector.GetShape(geometry)
+            )
+            if body.index() in models.objects:
+                AddCompliantHydroelasticProperties(
+                    length, config.hydroelastic_modulus, properties
+                )
+            else:
+                AddRigidHydroelasticProperties(length, properties)
+            AddContactMaterial(
+                dissipation=config.dissipation,
+                friction=CoulombFriction(mu, mu),
+                properties=properties,
+            )
             scene_graph.AssignRole(
                 plant.get_source_id(), geometry, properties, RoleAssign.kReplace
             )
+
+
+def _radius(shape: Shape) -> float:
+    """Returns the radius of a round shape, and 1 for shapes without one.
+
+    Only the meshes of round shapes depend on the length derived from it.
+    """
+    if isinstance(shape, Sphere | Cylinder | Capsule):
+        return shape.radius()
+    if isinstance(shape, Ellipsoid):
+        return min(shape.a(), shape.b(), shape.c())
+    return 1.0
 
 
 def _set_controller(

@@ -1,6 +1,6 @@
 """Simulates the truth of a scene and records it as a log."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,9 @@ from pbpf_drake.truth_model import (
 
 # The log's first stamp (in nanoseconds): to ROS, a stamp of 0 is none.
 _START_TIME = 1_000_000_000
+
+# What is due at a time: called with the time and the truth's context.
+_Call = Callable[[float, Context], None]
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ def RecordTruth(
         )
         truth = MakeTruth(scene=scene, parameters=parameters)
         context = MakeTruthContext(truth=truth, parameters=parameters)
-    except ValueError as error:
+    except (ValueError, RuntimeError) as error:
         where = f"Scene {scene.path or '(without a file)'}"
         raise ValueError(f"{where}: {error}") from error
     recorder = _Recorder(scene=scene, truth=truth)
@@ -88,7 +91,9 @@ def _make_generator(seed: int, purpose: int) -> np.random.Generator:
     )
 
 
-def _schedule(periods: dict, duration: float, time_step: float):
+def _schedule(
+    periods: dict[_Call, float], duration: float, time_step: float
+) -> Iterator[tuple[float, list[_Call]]]:
     """Yields each time at which something is due, and what is.
 
     Whole steps are counted, so that a period is the same everywhere and the
@@ -134,6 +139,7 @@ class _Recorder:
         self._detections: list[DetectionRecord] = []
 
     def RecordJoints(self, time: float, context: Context) -> None:
+        """Keeps the measured joint motion."""
         plant = self._truth.diagram.plant()
         plant_context = self._truth.diagram.plant_context(context)
         q = plant.GetPositions(plant_context)[self._q_rows]
@@ -141,9 +147,11 @@ class _Recorder:
         self._joints.append((time, q, v))
 
     def RecordGroundTruth(self, time: float, context: Context) -> None:
+        """Keeps the true poses of the objects."""
         self._ground_truth.append((time, self._poses(context)))
 
     def RecordDetections(self, time: float, context: Context) -> None:
+        """Takes an image and keeps what is detected in it."""
         plant = self._truth.diagram.plant()
         visibility = self._camera.CalcVisibility(
             plant.GetPositions(self._truth.diagram.plant_context(context))
@@ -154,6 +162,7 @@ class _Recorder:
         )
 
     def MakeRecording(self, parameters: TruthParameters) -> Recording:
+        """Returns all that was kept."""
         times, q, v = (np.array(x) for x in zip(*self._joints, strict=True))
         log = Log(
             joints=JointRecord(

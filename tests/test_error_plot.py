@@ -96,7 +96,7 @@ def test_a_band_is_shown_where_the_errors_are_much_smaller():
     record = make_record()
     record.covariances[:] *= 1e4
     figure = MakeErrorFigure([record], {"box": make_truth()})
-    assert figure.axes[0].get_ylim()[1] == pytest.approx(1.08 * 2.5 * 5.0)
+    assert figure.axes[0].get_ylim()[1] == pytest.approx(1.08 * 1.5 * 5.0)
 
 
 @pytest.mark.parametrize(

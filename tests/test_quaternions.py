@@ -14,9 +14,7 @@ def scipy_rotation(q):
 
 
 def same_rotation(p, q):
-    return np.minimum(
-        np.abs(p - q).max(axis=-1), np.abs(p + q).max(axis=-1)
-    )
+    return np.minimum(np.abs(p - q).max(axis=-1), np.abs(p + q).max(axis=-1))
 
 
 def test_product_agrees_with_scipy():
@@ -30,8 +28,9 @@ def test_product_agrees_with_scipy():
 def test_conjugate_is_the_inverse():
     q = random_quaternions(10)
     identity = quaternions.multiply(q, quaternions.conjugate(q))
-    np.testing.assert_allclose(identity, np.tile([1, 0, 0, 0], (10, 1)),
-                               atol=1e-15)
+    np.testing.assert_allclose(
+        identity, np.tile([1, 0, 0, 0], (10, 1)), atol=1e-15
+    )
 
 
 def test_rotation_vectors_agree_with_scipy_from_tiny_to_half_a_turn():

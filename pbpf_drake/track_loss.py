@@ -1,0 +1,51 @@
+"""Tells from the detections when a track is lost. Not in the paper.
+
+Particles can be cut off from where the object is: after somebody poked it,
+they may be on the wrong side of the hand, which they can't pass. Detections
+then keep falling to the same side of all particles. One that is far off is
+an outlier; several that agree with each other, but not with the particles,
+mean that the track is lost.
+"""
+
+import numpy as np
+
+# The share of the latest disagreement in the running mean.
+_GAIN = 0.25
+# A single detection counts as this many standard deviations at most, so that
+# one outlier alone, or two, are not enough.
+_LARGEST = 3.0
+# χ² with 3 degrees of freedom exceeds it once in 900 updates by chance.
+_LOST = 16.0
+
+
+def mean_disagreement(
+    last: np.ndarray,
+    particles: np.ndarray,
+    detections: np.ndarray,
+    stddev: float,
+) -> np.ndarray:
+    """Returns the running mean of the disagreement, (3,).
+
+    It is the offset of the detections from the mean of the particles, in
+    standard deviations, which come from both: with a gain of a, the running
+    mean of an intact track is N(0, a / (2 - a)) along each axis.
+
+    Args:
+        last: (3,) what this function returned at the last update, or zeros.
+        particles: (M, 3) predicted positions (in meters).
+        detections: (n, 3) detected positions (in meters), n > 0.
+        stddev: σ_DOPE of a position (in meters).
+    """
+    offset = np.mean(detections, axis=0) - np.mean(particles, axis=0)
+    spread = particles - np.mean(particles, axis=0)
+    covariance = spread.T @ spread / len(particles)
+    covariance += np.eye(3) * stddev**2 / len(detections)
+    whitened = np.linalg.solve(np.linalg.cholesky(covariance), offset)
+    length = np.linalg.norm(whitened)
+    whitened *= min(1.0, _LARGEST / max(length, 1e-12))
+    return (1 - _GAIN) * last + _GAIN * whitened
+
+
+def is_lost(disagreement: np.ndarray) -> bool:
+    """Returns whether a running mean, (3,), is more than chance."""
+    return bool(disagreement @ disagreement * (2 - _GAIN) / _GAIN > _LOST)
