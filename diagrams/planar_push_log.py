@@ -17,13 +17,14 @@ from pydrake.math import RigidTransform
 from pbpf_drake import quaternions
 from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
 from pbpf_drake.particle_filter import rigid_transform
-from pbpf_drake.particle_filter_config import PoseStddev
 from pbpf_drake.pose_interpolation import interpolate_poses
-from pbpf_drake.pose_noise import add_process_noise
+from pbpf_drake.pose_noise import perturb_poses
 
 _JOINT_NAMES = ("pusher_x", "pusher_y")
 _DETECTION_RATE = 15.0
-_DETECTION_NOISE = PoseStddev(position=0.02, rotation=0.09)
+# Of each axis of the position (in meters) and of the rotation (in radians).
+_POSITION_STDDEV = 0.02
+_ROTATION_STDDEV = 0.09
 # An arbitrary date: the recordings have none.
 _START_TIME = 1_477_180_800_000_000_000
 
@@ -52,7 +53,8 @@ def ReadPlanarPush(
     """
     rows = np.genfromtxt(filename, delimiter=",", names=True)
     columns = ("t", "slider_x", "slider_y", "slider_theta", *_JOINT_NAMES)
-    missing = [c for c in (*columns, "new_pose") if c not in rows.dtype.names]
+    names = rows.dtype.names or ()
+    missing = [c for c in (*columns, "new_pose") if c not in names]
     if missing:
         raise ValueError(f"{filename} has no columns {missing}")
     times = rows["t"] - rows["t"][0]
@@ -88,12 +90,21 @@ def _Truth(times: np.ndarray, rows: np.ndarray, height: float) -> PoseRecord:
     )
 
 
-def _Detect(truth, duration, seed, X_WC, name, blackout):
+def _Detect(
+    truth: PoseRecord,
+    duration: float,
+    seed: int,
+    X_WC: RigidTransform,
+    name: str,
+    blackout: tuple[float, float],
+) -> tuple[DetectionRecord, ...]:
     stamps = np.arange(0.0, min(duration, truth.times[-1]), 1 / _DETECTION_RATE)
     q, p = interpolate_poses(truth, stamps)
     rng = np.random.default_rng(seed)
-    noisy = add_process_noise(
-        np.concatenate([q, p], axis=1), _DETECTION_NOISE, rng
+    noisy = perturb_poses(
+        np.concatenate([q, p], axis=1),
+        _POSITION_STDDEV * rng.standard_normal(p.shape),
+        _ROTATION_STDDEV * rng.standard_normal(p.shape),
     )
     X_CW = X_WC.inverse()
     hidden = (stamps >= blackout[0] * duration) & (

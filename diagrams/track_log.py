@@ -9,6 +9,7 @@ from dataclasses import replace
 import os
 from pathlib import Path
 import sys
+from typing import Any
 
 from pydrake.geometry import Meshcat, MeshcatParams
 from tqdm import tqdm
@@ -72,7 +73,11 @@ def _config(args: argparse.Namespace, scene: Scene) -> ParticleFilterConfig:
 
 
 def _track(
-    scene: Scene, log: Log, method: str, config: ParticleFilterConfig, **outputs
+    scene: Scene,
+    log: Log,
+    method: str,
+    config: ParticleFilterConfig,
+    **outputs: Any,
 ) -> TrackRecord:
     with tqdm(total=NumSteps(log, config), desc=method, unit="update") as bar:
         return Track(

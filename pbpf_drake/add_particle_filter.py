@@ -25,7 +25,9 @@ def ConfigForMethod(
 
     Args:
         config: what the methods have in common.
-        method: "pbpf", "pbpf-v" or "cvpf"; the last has 150 particles.
+        method: "pbpf", "pbpf-v" or "cvpf". The last has 150 particles, and
+            doesn't recover lost tracks: nothing can cut its particles off,
+            and a jump would count as velocity.
 
     Raises:
         ValueError: the method isn't one of them.
@@ -40,6 +42,7 @@ def ConfigForMethod(
             motion="constant_velocity",
             use_visibility=False,
             num_particles=_CVPF_PARTICLES,
+            recover_lost_tracks=False,
         )
     raise ValueError(
         f"method is {method!r}; expected one of {METHODS[:-1]} "

@@ -7,8 +7,9 @@ from typing import Any
 
 from mcap_ros2.writer import Writer
 import numpy as np
+from pydrake.math import RigidTransform
 
-from pbpf_drake.log import Log
+from pbpf_drake.log import DetectionRecord, Log
 from pbpf_drake.ros2_messages import (
     DETECTION_ARRAY,
     JOINT_STATE,
@@ -97,7 +98,7 @@ def _joint_states(topics: LogTopics, log: Log) -> Iterator[_Entry]:
 def _detections(
     topics: LogTopics, log: Log, class_ids: Mapping[str, str]
 ) -> Iterator[_Entry]:
-    def times(detection) -> tuple[int, int]:
+    def times(detection: DetectionRecord) -> tuple[int, int]:
         return (
             to_nanoseconds(start_time=log.start_time, time=detection.received),
             to_nanoseconds(start_time=log.start_time, time=detection.time),
@@ -117,7 +118,9 @@ def _detections(
         yield received, topics.detections, DETECTION_ARRAY, message
 
 
-def _detection(header: dict[str, Any], class_id: str, X_CO) -> dict[str, Any]:
+def _detection(
+    header: dict[str, Any], class_id: str, X_CO: RigidTransform
+) -> dict[str, Any]:
     pose = pose_message(
         q=X_CO.rotation().ToQuaternion().wxyz(), p=X_CO.translation()
     )

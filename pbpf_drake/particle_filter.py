@@ -3,12 +3,14 @@
 from collections.abc import Callable, Sequence
 from dataclasses import fields
 import time as wall_clock
+from typing import Any
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
-from pydrake.common.value import Value
+from pydrake.common.value import AbstractValue, Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import (
+    BasicVector,
     Context,
     DiscreteValues,
     LeafSystem,
@@ -317,15 +319,19 @@ class PhysicsBasedParticleFilter(LeafSystem):
                 new[k] = [StampedPose(row[0], row[1:]) for row in unused]
         return new
 
-    def _CalcEstimatedPoses(self, context: Context, output) -> None:
+    def _CalcEstimatedPoses(
+        self, context: Context, output: AbstractValue
+    ) -> None:
         estimates = self._State(context).estimates[0]
         output.set_value([rigid_transform(pose) for pose in estimates])
 
-    def _CalcEffectiveSampleSize(self, context: Context, output) -> None:
+    def _CalcEffectiveSampleSize(
+        self, context: Context, output: BasicVector
+    ) -> None:
         weights = self._State(context).weights
         output.SetFromVector([effective_sample_size(weights)])
 
-    def _CalcCovariances(self, context: Context, output) -> None:
+    def _CalcCovariances(self, context: Context, output: BasicVector) -> None:
         state = self._State(context)
         covariances = pose_covariance(
             state.poses, state.weights, state.estimates[0]
@@ -337,7 +343,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
         covariances[state.num_estimates == 0] = unknown
         output.SetFromVector(covariances.ravel())
 
-    def _CalcTracked(self, context: Context, output) -> None:
+    def _CalcTracked(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(1.0 * (self._State(context).num_estimates > 0))
 
 
@@ -359,12 +365,12 @@ class _Scratch:
 
     def __init__(self, update: ParticleFilterUpdate) -> None:
         self._update = update
-        self._scratch = None
+        self._scratch: Any = None
 
     def __deepcopy__(self, memo: dict) -> "_Scratch":
         return _Scratch(self._update)
 
-    def Get(self):
+    def Get(self) -> Any:
         """Returns the scratch, made at first use."""
         if self._scratch is None:
             self._scratch = self._update.MakeScratch()

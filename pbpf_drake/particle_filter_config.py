@@ -8,11 +8,12 @@ used, by ``ValidateOrThrow``.
 
 from dataclasses import dataclass, field
 import math
+from typing import Any
 
 METHODS = ("pbpf", "pbpf-v", "cvpf", "dope")
 
 
-def _require(condition: bool, name: str, value, expected: str) -> None:
+def _require(condition: bool, name: str, value: Any, expected: str) -> None:
     """Raises a ValueError that names the field, its value and what fits."""
     if not condition:
         raise ValueError(f"{name} is {value!r}; expected {expected}")
@@ -153,6 +154,9 @@ class ParticleFilterConfig:
     physics: PhysicalParametersConfig = field(
         default_factory=PhysicalParametersConfig
     )
+    # Whether particles are drawn from the detections again where those show
+    # that a track is lost; see track_loss. Not in the paper.
+    recover_lost_tracks: bool = True
     # A detection older than this when it arrives is not used (in seconds).
     max_detection_age: float = 0.25
     # A particle that is simulated to move faster than this is a failed one

@@ -257,10 +257,12 @@ class ParticleFilterUpdate:
         for k, seen in detections.items():
             if state.num_estimates[k] == 0:
                 new[:, k] = True
-            elif is_lost(state.disagreement[k]):
+            elif self._config.recover_lost_tracks and is_lost(
+                state.disagreement[k]
+            ):
                 new[::2, k] = True
                 state.disagreement[k] = 0.0
-            count = np.count_nonzero(new[:, k])
+            count = int(np.count_nonzero(new[:, k]))
             if count:
                 predicted[new[:, k], k] = self._Draw(k, seen, count, step)
         return predicted, new
@@ -319,6 +321,7 @@ class ParticleFilterUpdate:
         scratch: Any,
     ) -> np.ndarray:
         """The visibility's share of log w (Section 4.3), (M,)."""
+        assert self._visibility_model is not None
         active, known = masks
         visibility = self._visibility_model.Score(
             particles=predicted,
@@ -337,7 +340,13 @@ class ParticleFilterUpdate:
         return log_weights
 
     def _MakeState(
-        self, state, predicted, velocities, log_weights, known, detections
+        self,
+        state: FilterState,
+        predicted: np.ndarray,
+        velocities: np.ndarray,
+        log_weights: np.ndarray,
+        known: np.ndarray,
+        detections: Mapping[int, Sequence[StampedPose]],
     ) -> FilterState:
         """The next state, with the mean of the weighted particles."""
         weights = normalize_log_weights(log_weights)

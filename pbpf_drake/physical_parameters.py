@@ -30,7 +30,9 @@ class PhysicalParameters:
 
 
 def _draw(
-    gaussian: TruncatedGaussian, shape: tuple[int, ...], rng
+    gaussian: TruncatedGaussian,
+    shape: tuple[int, ...],
+    rng: np.random.Generator,
 ) -> np.ndarray:
     draws = gaussian.mean + gaussian.stddev * rng.standard_normal(shape)
     return np.maximum(draws, gaussian.min)
@@ -90,7 +92,7 @@ def SetPhysicalParameters(
             CoulombFriction(friction / 2, friction / 2),
         )
         properties.UpdateProperty(
-            "material", "hunt_crossley_dissipation", dissipation
+            "material", "hunt_crossley_dissipation", float(dissipation)
         )
         scene_graph.AssignRole(
             scene_graph_context,

@@ -167,7 +167,16 @@ class PhysicsMotionModel:
             x = context.get_continuous_state_vector().CopyToVector()
         return x[:nq], x[nq:]
 
-    def _Store(self, m, q, v, active, poses, velocities, failed) -> None:
+    def _Store(
+        self,
+        m: int,
+        q: np.ndarray,
+        v: np.ndarray,
+        active: np.ndarray,
+        poses: np.ndarray,
+        velocities: np.ndarray,
+        failed: np.ndarray,
+    ) -> None:
         """Writes a simulated particle into the arrays, unless it failed."""
         pose, velocity = q[self._model.object_q], v[self._model.object_v]
         finite = np.all(np.isfinite(pose)) and np.all(np.isfinite(velocity))

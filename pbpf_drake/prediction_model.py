@@ -16,6 +16,7 @@ from pydrake.geometry import (
     ProximityProperties,
     Role,
     RoleAssign,
+    SceneGraphInspector,
     Sphere,
 )
 from pydrake.math import RigidTransform
@@ -178,7 +179,13 @@ class _ContactGeometry:
                 )
             )
 
-    def _AddPoints(self, index, geometry, group, stiffness) -> None:
+    def _AddPoints(
+        self,
+        index: BodyIndex,
+        geometry: GeometryId,
+        group: GeometrySet,
+        stiffness: float,
+    ) -> None:
         inspector = self._Inspector()
         X_BG = inspector.GetPoseInFrame(geometry)
         points = MakeContactPoints(inspector.GetShape(geometry))
@@ -208,7 +215,7 @@ class _ContactGeometry:
         filters.ExcludeBetween(self._points, self._fixed_points)
         self._scene_graph.collision_filter_manager().Apply(filters)
 
-    def _Inspector(self):
+    def _Inspector(self) -> SceneGraphInspector:
         return self._scene_graph.model_inspector()
 
     def _Name(self, geometry: GeometryId) -> str:

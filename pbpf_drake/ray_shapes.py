@@ -215,7 +215,9 @@ def _entry(t_in: np.ndarray, t_out: np.ndarray) -> np.ndarray:
     return np.where(hit, np.maximum(t_in, 0.0), np.inf)
 
 
-def _slab_interval(o: np.ndarray, d: np.ndarray, half) -> Interval:
+def _slab_interval(
+    o: np.ndarray, d: np.ndarray, half: np.ndarray | float
+) -> Interval:
     """Returns when the coordinate o + t d is in [-half, half]."""
     inverse = 1.0 / np.where(d == 0, _TINY, d)
     middle, width = -o * inverse, half * np.abs(inverse)

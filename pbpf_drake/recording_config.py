@@ -8,17 +8,18 @@ used, by ``ValidateOrThrow``.
 from dataclasses import dataclass, field
 from itertools import pairwise
 import math
+from typing import Any
 
 from pbpf_drake.particle_filter_config import PoseStddev
 
 
-def _require(condition: bool, name: str, value, expected: str) -> None:
+def _require(condition: bool, name: str, value: Any, expected: str) -> None:
     """Raises a ValueError that names the field, its value and what fits."""
     if not condition:
         raise ValueError(f"{name} is {value!r}; expected {expected}")
 
 
-def _require_positive(config, name: str, fields: tuple[str, ...]) -> None:
+def _require_positive(config: Any, name: str, fields: tuple[str, ...]) -> None:
     for part in fields:
         value = getattr(config, part)
         _require(

@@ -122,16 +122,16 @@ def _tracked_body(plant: MultibodyPlant, name: str) -> BodyIndex:
         )
     body: RigidBody = plant.get_body(bodies[0])
     for i in plant.GetJointIndices(world_model_instance()):
-        _check_free(plant, plant.get_joint(i).child_body(), body, name)
+        _check_free(plant.get_joint(i).child_body(), body, name)
     for index in range(plant.num_model_instances()):
         for j in plant.GetJointIndices(ModelInstanceIndex(index)):
             joint = plant.get_joint(JointIndex(j))
-            _check_free(plant, joint.child_body(), body, name)
-            _check_free(plant, joint.parent_body(), body, name)
+            _check_free(joint.child_body(), body, name)
+            _check_free(joint.parent_body(), body, name)
     return body.index()
 
 
-def _check_free(plant, jointed: RigidBody, body: RigidBody, name: str) -> None:
+def _check_free(jointed: RigidBody, body: RigidBody, name: str) -> None:
     if jointed.index() == body.index():
         raise ValueError(
             f"tracked model {name!r} is attached by a joint or a weld; "

@@ -27,7 +27,6 @@ from pydrake.systems.sensors import CameraInfo
 from pbpf_drake import quaternions
 from pbpf_drake.log import DetectionRecord
 from pbpf_drake.particle_filter_config import PoseStddev
-from pbpf_drake.pose_noise import random_rotation_vectors
 from pbpf_drake.recording_config import DetectorConfig
 from pbpf_drake.scene import CameraConfig
 
@@ -68,7 +67,9 @@ def draw_pose_error(stddev: PoseStddev, rng: np.random.Generator) -> np.ndarray:
     Returns:
         A rotation vector (in radians), then a translation (in meters).
     """
-    rotation = random_rotation_vectors((), stddev.rotation, rng)
+    axis = rng.standard_normal(3)
+    axis /= np.linalg.norm(axis)
+    rotation = stddev.rotation * rng.standard_normal() * axis
     return np.hstack([rotation, stddev.position * rng.standard_normal(3)])
 
 

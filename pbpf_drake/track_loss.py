@@ -41,7 +41,7 @@ def mean_disagreement(
     covariance = spread.T @ spread / len(particles)
     covariance += np.eye(3) * stddev**2 / len(detections)
     whitened = np.linalg.solve(np.linalg.cholesky(covariance), offset)
-    length = np.linalg.norm(whitened)
+    length = float(np.linalg.norm(whitened))
     whitened *= min(1.0, _LARGEST / max(length, 1e-12))
     return (1 - _GAIN) * last + _GAIN * whitened
 

@@ -190,7 +190,15 @@ def _num_particles(estimator: System, config: ParticleFilterConfig) -> int:
     return config.num_particles if estimator.HasOutputPort("particles") else 0
 
 
-def _AddVisualizer(builder, scene, log, estimator, joints, dope, meshcat):
+def _AddVisualizer(
+    builder: DiagramBuilder,
+    scene: Scene,
+    log: Log,
+    estimator: System,
+    joints: JointLogSource,
+    dope: DopeLogSource,
+    meshcat: Meshcat,
+) -> None:
     """Draws all that is known; the truth of those objects that have one."""
     names = [n for n in scene.object_names() if n in log.ground_truth]
     truth = None

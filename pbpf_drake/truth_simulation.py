@@ -71,7 +71,7 @@ def RecordTruth(
         raise ValueError(f"{where}: {error}") from error
     recorder = _Recorder(scene=scene, truth=truth)
     simulator = Simulator(truth.diagram, context)
-    periods = {
+    periods: dict[_Call, float] = {
         recorder.RecordJoints: config.joint_period,
         recorder.RecordGroundTruth: config.ground_truth_period,
         recorder.RecordDetections: config.detector.period,

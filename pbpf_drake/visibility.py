@@ -4,8 +4,10 @@ The world that rays are cast in is built from the scene file. It holds what
 the models have with the proximity role, exactly as the files say it.
 """
 
+from collections.abc import Iterable
+
 import numpy as np
-from pydrake.geometry import GeometryId
+from pydrake.geometry import GeometryId, QueryObject
 from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 from pydrake.systems.framework import Context
@@ -36,9 +38,7 @@ def visibility_log_factor(
         hidden = visibility < config.low_visibility
         return np.where(hidden, np.log(config.penalty), 0.0)
     hidden = visibility < config.high_visibility
-    return np.where(
-        hidden, np.log(config.high_weight), np.log(config.low_weight)
-    )
+    return np.log(np.where(hidden, config.high_weight, config.low_weight))
 
 
 def in_image(p_CT: np.ndarray, camera: CameraConfig) -> np.ndarray:
@@ -149,7 +149,12 @@ class VisibilityModel:
         return scores
 
     def _Reached(
-        self, particles, tracked, p_WT, robot_positions, scratch
+        self,
+        particles: np.ndarray,
+        tracked: np.ndarray,
+        p_WT: np.ndarray,
+        robot_positions: np.ndarray,
+        scratch: Context,
     ) -> np.ndarray:
         """Returns which rays enter their own object first, (M, K, R)."""
         hidden_at = self._CastAtRobotAndFixed(p_WT, robot_positions, scratch)
@@ -163,7 +168,9 @@ class VisibilityModel:
             hidden_at = np.minimum(hidden_at, t)
         return own <= hidden_at
 
-    def _CastAtRobotAndFixed(self, p_WT, robot_positions, scratch):
+    def _CastAtRobotAndFixed(
+        self, p_WT: np.ndarray, robot_positions: np.ndarray, scratch: Context
+    ) -> np.ndarray:
         """Returns t of the first hit, (M, K, R), or inf."""
         plant = self._diagram.plant()
         plant.SetPositions(
@@ -177,7 +184,7 @@ class VisibilityModel:
             targets=p_WT,
         )
 
-    def _QueryObject(self, scratch: Context):
+    def _QueryObject(self, scratch: Context) -> QueryObject:
         return (
             self._diagram.scene_graph()
             .get_query_output_port()
@@ -188,7 +195,7 @@ class VisibilityModel:
         R_CW = self._X_CW.rotation().matrix()
         return p_WT @ R_CW.T + self._X_CW.translation()
 
-    def _Geometries(self, bodies) -> list[GeometryId]:
+    def _Geometries(self, bodies: Iterable[BodyIndex]) -> list[GeometryId]:
         plant = self._diagram.plant()
         return [
             geometry
