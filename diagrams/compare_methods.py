@@ -1,7 +1,7 @@
 """Tracks one log with several methods and seeds, and compares their errors.
 
-Every run is a process of its own task with one thread. The single-snapshot
-estimator "dope" draws nothing at random, so that it is run once.
+Each run has one thread; several run at a time. The single-snapshot estimator
+"dope" draws nothing at random, so that it is run once.
 """
 
 import argparse
@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 import csv
 from dataclasses import replace
+import itertools
 import multiprocessing
 import os
 from pathlib import Path
@@ -27,30 +28,25 @@ from pbpf_drake.scene_models import data_folder
 from pbpf_drake.tracking import DefaultConfig, Track
 
 _ERRORS = ("position_error_m", "rotation_error_rad")
-_TITLES = ("object", "method", "seeds", "position [m]", "spread", "/ dope",
-           "rotation [rad]", "spread", "/ dope")  # fmt: skip
+_COLUMNS = ("object", "method", "seed", *_ERRORS)
+_MEANS = ("position [m]", "sd", "/ dope", "rotation [rad]", "sd", "/ dope")
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:
-    folder = data_folder("diagrams")
+    log = data_folder("diagrams") / "logs" / "cheezit_1.mcap"
+    scene = data_folder("diagrams") / "scenes" / "cheezit_1.yaml"
     parser = argparse.ArgumentParser(
-        description="Tracks a log with several methods and seeds; prints the "
-        "mean errors and writes those of each run to compare.csv.",
+        description="Tracks a log with several methods and seeds, and "
+        "writes each run's mean errors to compare.csv.",
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
     add = parser.add_argument
-    add("--log", type=Path, default=folder / "logs" / "cheezit_1.mcap",
-        help="MCAP file of ROS 2 messages, with ground truth")  # fmt: skip
-    add("--scene", type=Path, default=folder / "scenes" / "cheezit_1.yaml",
-        help="YAML file of the scene")  # fmt: skip
-    add("--methods", nargs="+", choices=METHODS, default=list(METHODS),
-        help="what to compare")  # fmt: skip
-    add("--seeds", type=int, default=10,
-        help="number of runs per method, from seed 0 on")  # fmt: skip
-    add("--jobs", type=int, default=os.cpu_count(),
-        help="number of processes")  # fmt: skip
-    add("--out", type=Path, default=Path("pbpf_compare"),
-        help="folder to write to")  # fmt: skip
+    add("--log", type=Path, default=log, help="MCAP file with ground truth")
+    add("--scene", type=Path, default=scene, help="YAML file of the scene")
+    add("--methods", nargs="+", choices=METHODS, default=METHODS, help="which")
+    add("--seeds", type=int, default=10, help="runs per method, from seed 0")
+    add("--jobs", type=int, default=os.cpu_count(), help="processes")
+    add("--out", type=Path, default=Path("pbpf_compare"), help="folder")
     return parser.parse_args(argv)
 
 
@@ -65,7 +61,7 @@ def _track(log: Path, scene: Path, method: str, seed: int) -> dict[str, Any]:
 
 
 def _track_all(args: argparse.Namespace) -> list[dict[str, Any]]:
-    """Returns the reports of all runs, sorted by method and seed."""
+    """Returns the reports of all runs, method by method."""
     tasks = [
         (args.log, args.scene, method, seed)
         for method in dict.fromkeys(args.methods)
@@ -76,33 +72,49 @@ def _track_all(args: argparse.Namespace) -> list[dict[str, Any]]:
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(args.jobs, mp_context=spawn) as pool:
         futures = [pool.submit(_track, *task) for task in tasks]
-        try:
-            for future in tqdm(as_completed(futures), total=len(futures)):
-                future.result()
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
+        list(tqdm(as_completed(futures), total=len(tasks), unit="run"))
         return [future.result() for future in futures]
 
 
-def _means(runs: Sequence[Mapping], name: str, method: str) -> np.ndarray:
-    """Returns the mean errors (runs, 2) in position and rotation."""
-    objects = [run["objects"][name] for run in runs if run["method"] == method]
-    means = [[o[error]["mean"] for error in _ERRORS] for o in objects]
-    return np.array(means, dtype=float).reshape(-1, 2)
+def _rows(runs: Sequence[Mapping]) -> list[tuple]:
+    """Returns _COLUMNS of each run and object; None is unknown."""
+    return [
+        (name, run["method"], run["seed"], *(o[e]["mean"] for e in _ERRORS))
+        for run in runs
+        for name, o in run["objects"].items()
+    ]
 
 
-def _table(runs: Sequence[Mapping]) -> str:
+def _table(rows: Sequence[tuple]) -> str:
     """Returns a line per object and method; - where a number is unknown."""
-    rows = [_TITLES]
-    for name in runs[0]["objects"]:
-        dope = _means(runs, name, "dope")
-        for method in dict.fromkeys(run["method"] for run in runs):
-            means = _means(runs, name, method)
-            ratios = means.mean(0) / (dope[0] if len(dope) else np.nan)
-            cells = np.stack([means.mean(0), means.std(0), ratios], axis=1)
-            cells = [f"{x:.4f}" if x == x else "-" for x in cells.ravel()]
-            rows.append((name, method, str(len(means)), *cells))
-    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
-    lines = [zip(row, widths, strict=True) for row in rows]
-    return "\n".join("  ".join(c.rjust(w) for c, w in line) for line in lines)
+    names, methods = (dict.fromkeys(row[i] for row in rows) for i in (0, 1))
+    lines = [("object", "method", "runs", *_MEANS)]
+    for name, method in itertools.product(names, methods):
+        means, dope = (
+            np.array([row[3:] for row in rows if row[:2] == (name, m)], float)
+            for m in (method, "dope")
+        )
+        ratio = means.mean(0) / (dope[0] if len(dope) else np.nan)
+        cells = np.stack([means.mean(0), means.std(0), ratio], axis=1).ravel()
+        cells = [f"{x:.4f}" if np.isfinite(x) else "-" for x in cells]
+        lines.append((name, method, str(len(means)), *cells))
+    return "\n".join("".join(c.rjust(16) for c in line) for line in lines)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Runs the command; returns its exit code."""
+    args = _parse(argv)
+    try:
+        args.out.mkdir(parents=True, exist_ok=True)
+        rows = _rows(_track_all(args))
+        with (args.out / "compare.csv").open("w", newline="") as file:
+            csv.writer(file).writerows([_COLUMNS, *rows])
+    except (ValueError, OSError) as error:
+        print(f"compare_methods: {error}", file=sys.stderr)
+        return 1
+    print(_table(rows))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,1 +1,156 @@
-"""Physics-based particle filter for Drake."""
+"""Physics-based particle filter that tracks pushed objects, for Drake.
+
+A scene file says what there is: the robot, the objects to track, what is
+fixed, and the camera. From it come the filter, which is a Drake system, and
+all that is around it. This tracks the first two seconds of a recorded push::
+
+    from pydrake.systems.analysis import Simulator
+
+    import pbpf_drake as pbpf
+
+    folder = pbpf.data_folder("diagrams")
+    scene = pbpf.LoadScene(folder / "scenes" / "cheezit_1.yaml")
+    log = pbpf.ReadLog(
+        filename=folder / "logs" / "cheezit_1.mcap",
+        scene=scene,
+        joint_names=pbpf.MakePredictionModel(scene).joint_names,
+    )
+    tracking = pbpf.MakeTrackingDiagram(
+        scene=scene, log=log, method="pbpf", config=scene.filter
+    )
+    simulator = Simulator(tracking.diagram)
+    simulator.AdvanceTo(2.0)
+    context = tracking.estimator.GetMyContextFromRoot(simulator.get_context())
+    poses = tracking.estimator.GetOutputPort("estimated_poses").Eval(context)
+    print(dict(zip(scene.object_names(), poses, strict=True)))
+
+Plots are left to ``pbpf_drake.error_plot``: matplotlib takes long to import.
+"""
+
+from pbpf_drake.add_particle_filter import (
+    AddParticleFilter,
+    ConfigForMethod,
+    MakeParticleFilter,
+)
+from pbpf_drake.dope_log_source import DopeLogSource
+from pbpf_drake.dope_measurement import Detection, DopeMeasurement
+from pbpf_drake.estimate_recorder import AddEstimateRecorder, EstimateRecorder
+from pbpf_drake.ground_truth_log_source import GroundTruthLogSource
+from pbpf_drake.joint_log_source import JointLogSource
+from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
+from pbpf_drake.log_error import LogError
+from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.mcap_log_writer import WriteLog
+from pbpf_drake.motion_model import (
+    ConstantVelocityMotionModel,
+    MotionInput,
+    MotionModel,
+    MotionResult,
+)
+from pbpf_drake.particle_filter import PhysicsBasedParticleFilter
+from pbpf_drake.particle_filter_config import (
+    ParticleFilterConfig,
+    PhysicalParametersConfig,
+    PoseStddev,
+    TruncatedGaussian,
+    VisibilityConfig,
+)
+from pbpf_drake.particle_filter_update import ParticleFilterUpdate
+from pbpf_drake.particle_visualizer import (
+    AddParticleVisualizer,
+    ParticleVisualizer,
+)
+from pbpf_drake.physics_motion_model import PhysicsMotionModel
+from pbpf_drake.pose_errors import (
+    ErrorTrace,
+    compute_errors,
+    position_error,
+    rotation_error,
+)
+from pbpf_drake.prediction_model import MakePredictionModel, PredictionModel
+from pbpf_drake.recording_config import RecordingConfig
+from pbpf_drake.report import FormatTable, MakeReport, WriteErrors, WriteReport
+from pbpf_drake.scene import (
+    CameraConfig,
+    LoadScene,
+    LogTopics,
+    Scene,
+    TrackedObject,
+)
+from pbpf_drake.scene_meshcat import SaveReplay
+from pbpf_drake.scene_models import AddSceneModels, SceneModels, data_folder
+from pbpf_drake.single_snapshot_estimator import SingleSnapshotEstimator
+from pbpf_drake.track_record import TrackRecord
+from pbpf_drake.tracking import (
+    DefaultConfig,
+    MakeTrackingDiagram,
+    NumSteps,
+    Track,
+    TrackingDiagram,
+)
+from pbpf_drake.truth_simulation import Recording, RecordTruth
+from pbpf_drake.visibility import VisibilityModel
+
+__all__ = [
+    "AddEstimateRecorder",
+    "AddParticleFilter",
+    "AddParticleVisualizer",
+    "AddSceneModels",
+    "CameraConfig",
+    "ConfigForMethod",
+    "ConstantVelocityMotionModel",
+    "DefaultConfig",
+    "Detection",
+    "DetectionRecord",
+    "DopeLogSource",
+    "DopeMeasurement",
+    "ErrorTrace",
+    "EstimateRecorder",
+    "FormatTable",
+    "GroundTruthLogSource",
+    "JointLogSource",
+    "JointRecord",
+    "LoadScene",
+    "Log",
+    "LogError",
+    "LogTopics",
+    "MakeParticleFilter",
+    "MakePredictionModel",
+    "MakeReport",
+    "MakeTrackingDiagram",
+    "MotionInput",
+    "MotionModel",
+    "MotionResult",
+    "NumSteps",
+    "ParticleFilterConfig",
+    "ParticleFilterUpdate",
+    "ParticleVisualizer",
+    "PhysicalParametersConfig",
+    "PhysicsBasedParticleFilter",
+    "PhysicsMotionModel",
+    "PoseRecord",
+    "PoseStddev",
+    "PredictionModel",
+    "ReadLog",
+    "RecordTruth",
+    "Recording",
+    "RecordingConfig",
+    "SaveReplay",
+    "Scene",
+    "SceneModels",
+    "SingleSnapshotEstimator",
+    "Track",
+    "TrackRecord",
+    "TrackedObject",
+    "TrackingDiagram",
+    "TruncatedGaussian",
+    "VisibilityConfig",
+    "VisibilityModel",
+    "WriteErrors",
+    "WriteLog",
+    "WriteReport",
+    "compute_errors",
+    "data_folder",
+    "position_error",
+    "rotation_error",
+]

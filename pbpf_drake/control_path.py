@@ -51,11 +51,11 @@ def simplify_path(path: ControlPath, tolerance: float) -> ControlPath:
     tolerance at any of its points (Ramer-Douglas-Peucker, over time).
 
     Args:
-        path: with at least 2 points.
+        path: of any number of points.
         tolerance: largest error of any joint (in radians or meters).
     """
     t, q = path.times, path.positions
-    keep = [0, len(t) - 1]
+    keep = sorted({0, len(t) - 1})
     while True:
         kept = np.stack(
             [np.interp(t, t[keep], q[keep, j]) for j in range(q.shape[1])],

@@ -31,6 +31,8 @@ from pbpf_drake.resampling import effective_sample_size
 
 # Samples of the joints closer than this (in seconds) are one.
 _SAME_TIME = 1e-6
+# A detection that is further off (in meters) is out of range.
+_FARTHEST = 1e3
 
 
 class PhysicsBasedParticleFilter(LeafSystem):
@@ -63,7 +65,8 @@ class PhysicsBasedParticleFilter(LeafSystem):
     times per period. A value that isn't finite is ignored: the joint's last
     one is held. Input ``joint_velocities``: (n,) bends the path between two
     samples. Input ``dope_measurement``: a DopeMeasurement; a detection is
-    used if its stamp is new, and neither it nor its pose is out of range.
+    used if its stamp is new, not of the future and at most
+    ``max_detection_age`` old, and if its pose is finite and within 1 km.
 
     Output ``estimated_poses``: list of K RigidTransform X_WO, the weighted
     mean of the particles. Output ``particles``: (M, K, 7) in row-major order:
@@ -144,9 +147,9 @@ class PhysicsBasedParticleFilter(LeafSystem):
         # Rows of time, positions and velocities, the latest last.
         num_samples = self._config.control_samples + 1
         self._samples_shape = (num_samples, 1 + 2 * num_joints)
-        self._samples_index = self.DeclareDiscreteState(
-            np.zeros(self._samples_shape).ravel()
-        )
+        samples = np.zeros(self._samples_shape)
+        samples[:, 0] = -np.inf  # There are none yet.
+        self._samples_index = self.DeclareDiscreteState(samples.ravel())
         # Of each object, rows of time and pose, the latest last.
         self._detections_shape = (len(self._object_names), num_samples, 8)
         self._detections_index = self.DeclareDiscreteState(
@@ -204,9 +207,14 @@ class PhysicsBasedParticleFilter(LeafSystem):
         self.DeclareForcedDiscreteUpdateEvent(update=self._Update)
 
     def _Initialize(self, context: Context, values: DiscreteValues) -> None:
-        """Fills the samples with where the joints are now."""
-        zeros = np.zeros(self._samples_shape[1])
-        sample = self._ReadJoints(context, zeros)
+        """Fills the samples with where the joints are now.
+
+        Where a simulation goes on from a context that has samples, they stay.
+        """
+        samples = self._StoredSamples(context)
+        if np.isfinite(samples[-1, 0]) and samples[-1, 0] <= context.get_time():
+            return
+        sample = self._ReadJoints(context, samples[-1])
         values.get_mutable_value(self._samples_index)[:] = np.tile(
             sample, self._samples_shape[0]
         )
@@ -257,13 +265,16 @@ class PhysicsBasedParticleFilter(LeafSystem):
             row[n + 1 :] = self._velocities_port.Eval(context)
         return np.where(np.isfinite(row), row, last)
 
-    def _Samples(self, context: Context) -> np.ndarray:
-        """Returns the samples with one of now as the last."""
-        samples = (
+    def _StoredSamples(self, context: Context) -> np.ndarray:
+        return (
             context.get_discrete_state(self._samples_index)
             .value()
             .reshape(self._samples_shape)
         )
+
+    def _Samples(self, context: Context) -> np.ndarray:
+        """Returns the samples with one of now as the last."""
+        samples = self._StoredSamples(context)
         now = self._ReadJoints(context, samples[-1])
         if now[0] - samples[-1, 0] <= _SAME_TIME:
             return np.vstack([samples[:-1], now])
@@ -272,6 +283,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
     def _Path(self, context: Context) -> ControlPath:
         """Returns u_t: the samples since the last update."""
         samples = self._Samples(context)
+        samples = samples[np.isfinite(samples[:, 0])]
         last = context.get_discrete_state(self._update_time_index).value()[0]
         start = np.searchsorted(samples[:, 0], last + _SAME_TIME) - 1
         since = samples[max(start, 0) :]
@@ -303,8 +315,9 @@ class PhysicsBasedParticleFilter(LeafSystem):
             if detection is None or not detection.time > detections[k, -1, 0]:
                 continue
             row = np.append(detection.time, pose_array(detection.X_WO))
-            age = abs(context.get_time() - detection.time)
-            if age <= self._config.max_detection_age and all(np.isfinite(row)):
+            age = context.get_time() - detection.time
+            recent = -_SAME_TIME <= age <= self._config.max_detection_age
+            if recent and np.all(np.abs(row[1:]) <= _FARTHEST):
                 detections[k] = np.vstack([detections[k, 1:], row])
         return detections
 

@@ -161,7 +161,9 @@ class ParticleFilterUpdate:
             drawn, path.positions[-1], known, scratch[0]
         )
         before = np.where(started[..., None], resolved, state.poses)
-        log_weights = np.where(motion.failed, -np.inf, 0.0)
+        # What is drawn anew doesn't depend on the prediction.
+        failed = motion.failed & ~np.all(started[:, known], axis=1)
+        log_weights = np.where(failed, -np.inf, 0.0)
         for k, seen in detections.items():
             log_weights += self._Observe(
                 before[:, k], resolved[:, k], path, seen

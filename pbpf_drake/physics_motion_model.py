@@ -17,7 +17,11 @@ from pbpf_drake.physical_parameters import (
     SetPhysicalParameters,
 )
 from pbpf_drake.prediction_model import PredictionModel
-from pbpf_drake.prediction_pool import MakeSimulator, PredictionPool
+from pbpf_drake.prediction_pool import (
+    MakeSimulator,
+    PredictionPool,
+    ResetIntegrator,
+)
 from pbpf_drake.random_streams import MakeGenerator, Stream
 from pbpf_drake.support import find_supports
 
@@ -78,17 +82,22 @@ class PhysicsMotionModel:
         failed = np.zeros(len(poses), dtype=bool)
         path = simplify_path(motion.path, _PATH_TOLERANCE)
         start = self._Positions(poses, path.positions[0], motion.active)
+        speeds = np.where(motion.active[:, None], velocities, 0.0)
         draws = self.assignment(motion.step)
 
         def simulate(m: int) -> None:
             simulator = scratch.Simulator(draws[m])
             try:
-                q, v = self._Simulate(simulator, start[m], velocities[m], path)
-            except RuntimeError:  # The solver gave up on this particle.
+                q, v = self._Simulate(simulator, start[m], speeds[m], path)
+                self._Store(m, q, v, motion.active, poses, velocities, failed)
+                if not failed[m]:
+                    context = simulator.get_context()
+                    supports[m] = find_supports(self._model, context)
+            # The solver gave up on this particle; Drake's own assertions are
+            # of the second type. What it left behind must not be used again.
+            except (RuntimeError, SystemExit):
                 failed[m] = True
-                return
-            self._Store(m, q, v, motion.active, poses, velocities, failed)
-            supports[m] = find_supports(self._model, simulator.get_context())
+                scratch.Discard(draws[m])
 
         scratch.Run(simulate, range(len(poses)))
         return MotionResult(poses, velocities, supports, failed)
@@ -154,6 +163,7 @@ class PhysicsMotionModel:
         x[:nq] = q
         x[nq + model.object_v] = velocities
         context = simulator.get_mutable_context()
+        context.SetContinuousState(x)
         times = path.times - path.times[0]
         speeds = np.diff(path.positions, axis=0) / np.diff(times)[:, None]
         context.SetTime(0.0)
@@ -162,6 +172,7 @@ class PhysicsMotionModel:
             x[nq + model.robot_v] = speed
             context.SetContinuousState(x)
             if s == 0:
+                ResetIntegrator(simulator, self._config.time_step)
                 simulator.Initialize()
             simulator.AdvanceTo(times[s + 1], interruptible=False)
             x = context.get_continuous_state_vector().CopyToVector()

@@ -41,6 +41,10 @@ class PredictionPool:
             self._simulators[index] = self._make(index)
         return self._simulators[index]
 
+    def Discard(self, index: int) -> None:
+        """Makes the particle's next simulator a new one."""
+        self._simulators.pop(index, None)
+
     def Run(self, work: Callable[[int], None], indices: Sequence[int]) -> None:
         """Calls ``work`` for every index, spread over the threads."""
         if self._num_threads == 1:
@@ -65,6 +69,21 @@ def MakeSimulator(model: PredictionModel, time_step: float) -> Simulator:
         time_step: of the integrator (in seconds).
     """
     simulator = Simulator(model.diagram, model.diagram.CreateDefaultContext())
+    ResetIntegrator(simulator, time_step)
+    return simulator
+
+
+def ResetIntegrator(simulator: Simulator, time_step: float) -> None:
+    """Gives a simulator an integrator that remembers nothing.
+
+    CENIC takes a step that starts at the same time as its last one for a
+    second attempt at that step, and reuses the state of then, even if the
+    simulator was initialized in between.
+
+    Args:
+        simulator: from MakeSimulator.
+        time_step: of the integrator (in seconds).
+    """
     ApplySimulatorConfig(
         SimulatorConfig(
             integration_scheme="cenic",
@@ -73,4 +92,3 @@ def MakeSimulator(model: PredictionModel, time_step: float) -> Simulator:
         ),
         simulator,
     )
-    return simulator

@@ -40,8 +40,6 @@ def RobotJointNames(
         if joint.num_positions() == 1:
             joints.append(joint)
     joints.sort(key=lambda j: j.position_start())
-    if plant.num_positions(robot) != len(joints):
-        raise ValueError("the robot's base is free; weld it to the world")
     return [joint.name() for joint in joints]
 
 

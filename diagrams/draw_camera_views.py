@@ -1,0 +1,247 @@
+"""Draws what a scene's camera sees of a log, with estimates as wireframes.
+
+The image is rendered from the ground truth. The estimate is green, and the
+last detection is yellow, as in Fig. 1 of the paper.
+"""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+import sys
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+import numpy as np
+from pydrake.geometry import (
+    CalcObb,
+    ClippingRange,
+    ColorRenderCamera,
+    LightParameter,
+    MakeRenderEngineVtk,
+    RenderCameraCore,
+    RenderEngineVtkParams,
+)
+from pydrake.math import RigidTransform
+from pydrake.multibody.tree import BodyIndex
+from pydrake.planning import RobotDiagram, RobotDiagramBuilder
+from pydrake.systems.sensors import CameraInfo
+
+from pbpf_drake.joint_log_source import interpolate_joints
+from pbpf_drake.log import Log
+from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.particle_filter import rigid_transform
+from pbpf_drake.particle_filter_config import METHODS
+from pbpf_drake.pose_interpolation import interpolate_poses
+from pbpf_drake.prediction_model import MakePredictionModel
+from pbpf_drake.scene import CameraConfig, LoadScene, Scene
+from pbpf_drake.scene_models import AddSceneModels, data_folder
+from pbpf_drake.track_record import TrackRecord
+from pbpf_drake.tracking import Track
+
+_COLORS = {"dope": "#FFD500"}
+_ESTIMATE_COLOR = "#19E05A"
+_BACKGROUND = np.array([0.93, 0.94, 0.95])
+# From the camera, and from above.
+_LIGHTS = [
+    LightParameter(type="directional", frame="camera", intensity=0.7),
+    LightParameter(
+        type="directional",
+        frame="world",
+        direction=np.array([-0.2, 0.3, -1.0]),
+        intensity=0.9,
+    ),
+]
+
+
+def _parse(argv: list[str] | None) -> argparse.Namespace:
+    folder = data_folder("diagrams")
+    parser = argparse.ArgumentParser(
+        description=__doc__.splitlines()[0],
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+    )
+    add = parser.add_argument
+    add("--log", type=Path, default=folder / "logs" / "cheezit_1.mcap",
+        help="MCAP file of ROS 2 messages, with ground truth")  # fmt: skip
+    add("--scene", type=Path, default=folder / "scenes" / "cheezit_1.yaml",
+        help="YAML file of the scene")  # fmt: skip
+    add("--method", choices=METHODS, default="pbpf-v", help="the estimator")
+    add("--times", type=float, nargs="+", default=[4.0, 15.2, 23.5],
+        help="when to look, in seconds")  # fmt: skip
+    add("--out", type=Path, default=Path("camera_views.png"),
+        help="picture to write")  # fmt: skip
+    return parser.parse_args(argv)
+
+
+def project(p_W: np.ndarray, camera: CameraConfig) -> np.ndarray:
+    """Returns where points are in the image (in pixels), (..., 2).
+
+    Args:
+        p_W: points before the camera, in the world (in meters), (..., 3).
+        camera: the camera; the centre of its first pixel is (0, 0).
+    """
+    X_CW = camera.pose().inverse()
+    p_C = p_W @ X_CW.rotation().matrix().T + X_CW.translation()
+    focal, centre = [camera.fx, camera.fy], [camera.cx, camera.cy]
+    return p_C[..., :2] / p_C[..., 2:] * focal + centre
+
+
+class CameraView:
+    """Renders a scene with its robot and objects where they are told to be."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Builds the world of a scene."""
+        builder = RobotDiagramBuilder(time_step=0.0)
+        self._models = AddSceneModels(builder.plant(), scene)
+        parameters = RenderEngineVtkParams(
+            default_clear_color=_BACKGROUND, lights=_LIGHTS
+        )
+        builder.scene_graph().AddRenderer(
+            "camera", MakeRenderEngineVtk(parameters)
+        )
+        self._diagram: RobotDiagram = builder.Build()
+        self._camera = _make_camera(scene.camera)
+        self._X_WC = scene.camera.pose()
+
+    def Render(
+        self, q: np.ndarray, poses: Sequence[RigidTransform]
+    ) -> np.ndarray:
+        """Returns an image (height, width, 3).
+
+        Args:
+            q: (n,) the robot's joints, in the order of its model.
+            poses: K poses X_WO of the tracked objects.
+        """
+        plant = self._diagram.plant()
+        context = self._diagram.CreateDefaultContext()
+        plant_context = self._diagram.mutable_plant_context(context)
+        plant.SetPositions(plant_context, self._models.robot, q)
+        for body, X_WO in zip(self._models.objects, poses, strict=True):
+            plant.SetFreeBodyPose(plant_context, plant.get_body(body), X_WO)
+        scene_graph = self._diagram.scene_graph()
+        query = scene_graph.get_query_output_port().Eval(
+            self._diagram.scene_graph_context(context)
+        )
+        image = query.RenderColorImage(
+            camera=self._camera,
+            parent_frame=scene_graph.world_frame_id(),
+            X_PC=self._X_WC,
+        )
+        return image.data[:, :, :3].copy()
+
+    def BoxEdges(self, k: int) -> np.ndarray:
+        """Returns the edges of the box around object k, (12, 2, 3), in it."""
+        return _box_edges(self._diagram, self._models.objects[k])
+
+
+def _make_camera(camera: CameraConfig) -> ColorRenderCamera:
+    info = CameraInfo(
+        width=camera.width,
+        height=camera.height,
+        focal_x=camera.fx,
+        focal_y=camera.fy,
+        center_x=camera.cx,
+        center_y=camera.cy,
+    )
+    core = RenderCameraCore(
+        "camera", info, ClippingRange(0.01, 10.0), RigidTransform()
+    )
+    return ColorRenderCamera(core)
+
+
+def _box_edges(diagram: RobotDiagram, index: BodyIndex) -> np.ndarray:
+    plant = diagram.plant()
+    inspector = diagram.scene_graph().model_inspector()
+    signs = (np.arange(8)[:, None] >> np.arange(3) & 1) * 2 - 1
+    corners = []
+    for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index)):
+        box = CalcObb(inspector.GetShape(geometry))
+        X_BA = inspector.GetPoseInFrame(geometry) @ box.pose()
+        corners.append((X_BA @ (signs * box.half_width()).T).T)
+    low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+    box_corners = np.where(signs > 0, high, low)
+    edges = [(i, i | b) for i in range(8) for b in (1, 2, 4) if not i & b]
+    return box_corners[np.array(edges)]
+
+
+def _true_poses(scene: Scene, log: Log, time: float) -> list[RigidTransform]:
+    poses = []
+    for name in scene.object_names():
+        if name not in log.ground_truth:
+            raise ValueError(
+                f"the log has no ground truth of {name!r}; expected one of "
+                "every tracked object, to draw it there"
+            )
+        q, p = interpolate_poses(log.ground_truth[name], np.array([time]))
+        poses.append(rigid_transform(np.append(q, p)))
+    return poses
+
+
+def _draw_boxes(
+    ax: Axes,
+    view: CameraView,
+    camera: CameraConfig,
+    poses: np.ndarray,
+    **style: Any,
+) -> None:
+    for k, pose in enumerate(poses):
+        X_WO = rigid_transform(pose)
+        p_W = view.BoxEdges(k) @ X_WO.rotation().matrix().T
+        for line in project(p_W + X_WO.translation(), camera):
+            ax.plot(*line.T, lw=1.5, **style)
+
+
+def _draw_view(
+    ax: Axes,
+    view: CameraView,
+    scene: Scene,
+    log: Log,
+    records: Sequence[TrackRecord],
+    time: float,
+) -> None:
+    q, _ = interpolate_joints(log.joints, time)
+    ax.imshow(view.Render(q, _true_poses(scene, log, time)))
+    step = int(np.argmin(np.abs(records[0].times - time)))
+    for record in records:
+        color = _COLORS.get(record.method, _ESTIMATE_COLOR)
+        _draw_boxes(ax, view, scene.camera, record.poses[step], color=color)
+    detected = np.all(records[0].detected[step])
+    ax.set_title(f"{time:.1f} s, {'' if detected else 'not '}detected")
+    ax.set_xlim(-0.5, scene.camera.width - 0.5)
+    ax.set_ylim(scene.camera.height - 0.5, -0.5)
+    ax.set_axis_off()
+
+
+def run(args: argparse.Namespace) -> None:
+    """Tracks the log and draws the picture; see _parse for the arguments."""
+    scene = LoadScene(args.scene)
+    joint_names = MakePredictionModel(scene).joint_names
+    log = ReadLog(filename=args.log, scene=scene, joint_names=joint_names)
+    records = [
+        Track(scene=scene, log=log, method=method)
+        for method in dict.fromkeys(("dope", args.method))
+    ]
+    view = CameraView(scene)
+    figure = Figure(figsize=(4.0 * len(args.times), 3.3), dpi=100)
+    FigureCanvasAgg(figure)
+    figure.set_layout_engine("constrained")
+    axes = figure.subplots(1, len(args.times), squeeze=False)[0]
+    for ax, time in zip(axes, args.times, strict=True):
+        _draw_view(ax, view, scene, log, records, time)
+    figure.savefig(args.out)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Runs the script; returns its exit code."""
+    args = _parse(argv)
+    try:
+        run(args)
+    except (ValueError, OSError) as error:
+        print(f"draw_camera_views: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,81 @@
+"""The picture of what a camera sees, against its own rendering."""
+
+from pathlib import Path
+
+from matplotlib.image import imread
+import numpy as np
+from pydrake.math import RigidTransform
+import pytest
+
+from pbpf_drake.diagrams import draw_camera_views
+from pbpf_drake.diagrams.draw_camera_views import CameraView, project
+from pbpf_drake.log import Log
+from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.mcap_log_writer import WriteLog
+from pbpf_drake.prediction_model import MakePredictionModel
+from pbpf_drake.scene import CameraConfig, LoadScene, Scene
+from pbpf_drake.scene_models import data_folder
+
+FOLDER = data_folder("diagrams")
+
+
+def load_scene() -> Scene:
+    return LoadScene(FOLDER / "scenes" / "cheezit_1.yaml")
+
+
+def test_points_are_projected_as_by_a_pinhole():
+    camera = CameraConfig(width=640, height=480, fx=600, fy=500, cx=320, cy=240)
+    points = np.array([[0.0, 0.0, 2.0], [0.2, -0.1, 2.0]])
+    np.testing.assert_allclose(
+        project(points, camera), [[320, 240], [380, 215]]
+    )
+
+
+def test_box_surrounds_what_is_rendered_of_the_object():
+    scene = load_scene()
+    view = CameraView(scene)
+    # Two pictures: with the object in view, and behind the camera.
+    X_WO = RigidTransform([0.5, 0.05, 0.12])
+    away = RigidTransform([3.0, 0.0, 0.4])
+    q = np.zeros(9)
+    pictures = [view.Render(q, [X]).astype(int) for X in (X_WO, away)]
+    changed = np.any(pictures[0] != pictures[1], axis=2)
+    # Some lone pixels change at the edges of other things.
+    u, v = (np.flatnonzero(changed.sum(axis=i) > 5) for i in (0, 1))
+    edges = project(view.BoxEdges(0) + X_WO.translation(), scene.camera)
+    low, high = edges.min(axis=(0, 1)), edges.max(axis=(0, 1))
+    assert view.BoxEdges(0).shape == (12, 2, 3)
+    np.testing.assert_allclose([u.min(), v.min()], low, atol=3)
+    np.testing.assert_allclose([u.max(), v.max()], high, atol=3)
+
+
+@pytest.fixture(scope="module")
+def log() -> Log:
+    scene = load_scene()
+    return ReadLog(
+        filename=FOLDER / "logs" / "cheezit_1.mcap",
+        scene=scene,
+        joint_names=MakePredictionModel(scene).joint_names,
+    )
+
+
+def test_picture_has_a_view_per_time_and_both_wireframes(tmp_path: Path):
+    out = tmp_path / "views.png"
+    args = ["--method", "dope", "--times", "2", "5", "--out", str(out)]
+    assert draw_camera_views.main(args) == 0
+    picture = 255 * imread(out)[..., :3]
+    yellow = np.all(np.abs(picture - [255, 213, 0]) < 10, axis=2)
+    left, right = np.array_split(yellow, 2, axis=1)
+    assert left.sum() > 300 and right.sum() > 300
+
+
+def test_log_without_ground_truth_is_refused(tmp_path, log, capsys):
+    scene = load_scene()
+    path = tmp_path / "log.mcap"
+    untrue = Log(log.joints, log.detections, {}, log.start_time)
+    WriteLog(filename=path, scene_topics=scene.topics, log=untrue)
+    args = ["--method", "dope", "--log", str(path), "--times", "2"]
+    assert (
+        draw_camera_views.main([*args, "--out", str(tmp_path / "x.png")]) == 1
+    )
+    assert "no ground truth of 'cracker'" in capsys.readouterr().err

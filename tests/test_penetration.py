@@ -1,0 +1,157 @@
+import numpy as np
+from physics_fixtures import (
+    CAN_UPRIGHT,
+    FLAT,
+    HEIGHTS,
+    Simulation,
+    make_model,
+)
+import pytest
+
+from pbpf_drake import quaternions
+from pbpf_drake.penetration import push_out
+
+PROBE_RADIUS = 0.004745
+HALF_BLOCK = 0.045
+REST = HEIGHTS["block"]
+FAR = np.array([-0.7, 0.7])
+TURNED = quaternions.from_rotation_vector(np.array([0.3, -0.2, 0.5]))
+
+WALL = """
+- add_model:
+    name: wall
+    file: package://pbpf_drake/obstacles/scene_4_support.sdf
+- add_weld:
+    parent: world
+    child: wall::scene_4_support
+    X_PC: {translation: [0.3035, 0.0, 0.08405]}
+"""
+
+
+class _World:
+    """Positions of a model that are pushed out, and what penetrates then."""
+
+    def __init__(self, *names: str, fixed: str = "") -> None:
+        self.model = make_model(*names, fixed=fixed)
+        self.simulation = Simulation(self.model)
+        self.context = self.simulation.context
+
+    def push(self, *poses, robot=FAR) -> np.ndarray:
+        """Returns the objects' poses afterwards, (K, 7)."""
+        q = np.zeros(self.model.diagram.plant().num_positions())
+        q[self.model.robot_q] = robot
+        q[self.model.object_q] = poses
+        before = q.copy()
+        after = push_out(self.model, self.context, q)
+        np.testing.assert_array_equal(q, before)
+        np.testing.assert_array_equal(after[self.model.robot_q], robot)
+        found = after[self.model.object_q]
+        np.testing.assert_array_equal(found[:, :4], np.array(poses)[:, :4])
+        self.simulation.plant.SetPositions(self.simulation.plant_context, after)
+        return found
+
+    def depth(self) -> float:
+        """The deepest penetration at the positions that push returned."""
+        scene_graph = self.model.diagram.scene_graph()
+        query = scene_graph.get_query_output_port().Eval(
+            scene_graph.GetMyContextFromRoot(self.context)
+        )
+        pairs = query.ComputePointPairPenetration()
+        return max((pair.depth for pair in pairs), default=0.0)
+
+
+@pytest.fixture(scope="module")
+def block():
+    return _World("block")
+
+
+@pytest.fixture(scope="module")
+def two():
+    return _World("block", "soup")
+
+
+def test_what_penetrates_nothing_is_not_moved(block):
+    pose = [*TURNED, 0.2, 0.1, 0.2]
+    (after,) = block.push(pose)
+    np.testing.assert_array_equal(after, pose)
+
+
+def test_what_rests_on_the_table_is_not_moved(block):
+    pose = [*FLAT, 0.2, 0.1, REST - 5e-5]
+    (after,) = block.push(pose)
+    np.testing.assert_array_equal(after, pose)
+
+
+@pytest.mark.parametrize("depth", [2e-4, 1e-3, 5e-3, 2e-2])
+def test_a_block_in_the_table_is_lifted(block, depth):
+    (after,) = block.push([*FLAT, 0.2, 0.1, REST - depth])
+    np.testing.assert_allclose(after[4:], [0.2, 0.1, REST], atol=2e-4)
+    assert block.depth() < 2e-4
+
+
+def test_a_tilted_block_in_the_table_is_lifted_without_turning(block):
+    (after,) = block.push([*TURNED, 0.2, 0.1, 0.0])
+    half = np.array([HALF_BLOCK, HALF_BLOCK, REST])
+    axes = quaternions.rotate(quaternions.conjugate(TURNED), [0, 0, 1])
+    lowest = after[6] - np.abs(axes) @ half
+    assert abs(lowest) < 2e-4
+    np.testing.assert_allclose(after[4:6], [0.2, 0.1], atol=1e-12)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 2.0])
+@pytest.mark.parametrize("depth", [1e-3, 1e-2])
+def test_a_block_in_the_probe_is_pushed_off_its_face(block, angle, depth):
+    q = quaternions.from_rotation_vector(np.array([0.0, 0.0, angle]))
+    away = quaternions.rotate(q, np.array([1.0, 0.0, 0.0]))
+    gap = PROBE_RADIUS + HALF_BLOCK
+    start = away * (gap - depth) + [0.0, 0.0, REST]
+    (after,) = block.push([*q, *start], robot=np.zeros(2))
+    np.testing.assert_allclose(after[4:], start + depth * away, atol=2e-4)
+    assert block.depth() < 2e-4
+
+
+def test_a_block_in_probe_and_table_leaves_both(block):
+    start = [PROBE_RADIUS + HALF_BLOCK - 4e-3, 0.0, REST - 3e-3]
+    (after,) = block.push([*FLAT, *start], robot=np.zeros(2))
+    assert block.depth() < 2e-4
+    expected = [PROBE_RADIUS + HALF_BLOCK, 0.0, REST]
+    np.testing.assert_allclose(after[4:], expected, atol=3e-4)
+
+
+def test_a_can_in_the_table_is_lifted(two):
+    block = [*FLAT, -0.3, 0.0, REST]
+    _, can = two.push(block, [*CAN_UPRIGHT, 0.2, 0.1, 0.045])
+    np.testing.assert_allclose(can[4:], [0.2, 0.1, 0.05], atol=2e-4)
+
+
+def test_two_objects_share_the_way_equally(two):
+    radius, depth = 0.03383, 4e-3
+    x = HALF_BLOCK + radius - depth
+    z = HEIGHTS["soup"] + REST  # Its lower rim is at half the block's height.
+    block, can = two.push([*FLAT, 0.0, 0.0, REST], [*CAN_UPRIGHT, x, 0.0, z])
+    np.testing.assert_allclose(block[4], -depth / 2, atol=2e-4)
+    np.testing.assert_allclose(can[4], x + depth / 2, atol=2e-4)
+    np.testing.assert_allclose(block[5:], [0.0, REST], atol=2e-4)
+    assert two.depth() < 2e-4
+
+
+def test_between_their_points_two_objects_touch_with_their_cores(two):
+    """A block's edge at half the height of a can: each gives 0.5 mm."""
+    radius, depth, inset = 0.03383, 4e-3, 5e-4
+    x = HALF_BLOCK + radius - depth
+    block, can = two.push([*FLAT, 0, 0, 0.1], [*CAN_UPRIGHT, x, 0, 0.1])
+    room = can[4] - block[4] - HALF_BLOCK - radius
+    assert room == pytest.approx(-2 * inset, abs=2e-4)
+
+
+def test_an_object_between_two_others_makes_way():
+    """The probe, a block, a can and a wall in a row, all too close."""
+    world = _World("block", "soup", fixed=WALL)
+    wall, radius = 0.2, 0.03383
+    can = [wall - radius + 3e-3, 0.0, 0.05]
+    block = [can[0] - radius - HALF_BLOCK + 3e-3, 0.0, REST]
+    probe = [block[0] - HALF_BLOCK - PROBE_RADIUS - 6e-3, 0.0]
+    after = world.push([*FLAT, *block], [*CAN_UPRIGHT, *can], robot=probe)
+    # 6 mm of penetration find 6 mm of room: it is enough for all.
+    assert world.depth() < 3e-4
+    assert after[1, 4] < wall - radius + 3e-4
