@@ -50,11 +50,13 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def _track(log: Path, scene: Path, method: str, seed: int) -> dict[str, Any]:
+def _track(
+    log_file: Path, scene_file: Path, method: str, seed: int
+) -> dict[str, Any]:
     """Returns the report of one run; this is what a process does."""
-    scene = LoadScene(scene)
+    scene = LoadScene(scene_file)
     joint_names = MakePredictionModel(scene).joint_names
-    log = ReadLog(filename=log, scene=scene, joint_names=joint_names)
+    log = ReadLog(filename=log_file, scene=scene, joint_names=joint_names)
     config = replace(DefaultConfig(scene, method), seed=seed, num_threads=1)
     record = Track(scene=scene, log=log, method=method, config=config)
     return MakeReport([record], log.ground_truth)["runs"][0]
@@ -95,8 +97,8 @@ def _table(rows: Sequence[tuple]) -> str:
             for m in (method, "dope")
         )
         ratio = means.mean(0) / (dope[0] if len(dope) else np.nan)
-        cells = np.stack([means.mean(0), means.std(0), ratio], axis=1).ravel()
-        cells = [f"{x:.4f}" if np.isfinite(x) else "-" for x in cells]
+        values = np.stack([means.mean(0), means.std(0), ratio], axis=1).ravel()
+        cells = [f"{x:.4f}" if np.isfinite(x) else "-" for x in values]
         lines.append((name, method, str(len(means)), *cells))
     return "\n".join("".join(c.rjust(16) for c in line) for line in lines)
 

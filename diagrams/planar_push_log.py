@@ -49,14 +49,18 @@ def ReadPlanarPush(
         blackout: between which shares of the duration nothing is detected.
 
     Raises:
-        ValueError: the file lacks a column.
+        ValueError: the file lacks a column, rows, or a number in one.
     """
     rows = np.genfromtxt(filename, delimiter=",", names=True)
-    columns = ("t", "slider_x", "slider_y", "slider_theta", *_JOINT_NAMES)
+    columns = ["t", "slider_x", "slider_y", "slider_theta", *_JOINT_NAMES]
+    columns.append("new_pose")
     names = rows.dtype.names or ()
-    missing = [c for c in (*columns, "new_pose") if c not in names]
+    missing = [c for c in columns if c not in names]
     if missing:
         raise ValueError(f"{filename} has no columns {missing}")
+    rows = np.atleast_1d(rows)
+    if not rows.size or not all(np.all(np.isfinite(rows[c])) for c in columns):
+        raise ValueError(f"{filename} has no rows, or one without a number")
     times = rows["t"] - rows["t"][0]
     truth = _Truth(times, rows, height)
     return Log(

@@ -163,7 +163,7 @@ class ParticleFilterConfig:
     # (in m/s): nothing that is pushed or tilted does.
     max_speed: float = 2.0
     # The step of the physics (in seconds).
-    time_step: float = 0.01
+    time_step: float = 0.008
     # All randomness is a pure function of this and of the step.
     seed: int = 0
     # Threads that simulate particles; results do not depend on it.

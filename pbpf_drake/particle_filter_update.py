@@ -173,8 +173,9 @@ class ParticleFilterUpdate:
                     drawn[:, k], drawn[:, k], path, seen
                 )
         if self._visibility_model:
+            imaged = _at_images(before, resolved, path, detections)
             log_weights += self._SeeParticles(
-                resolved, path, detections, (active, known), step, scratch[1]
+                imaged, path, detections, (active, known), step, scratch[1]
             )
         velocities = np.where(started[..., None], 0.0, motion.velocities)
         return self._MakeState(
@@ -302,12 +303,10 @@ class ParticleFilterUpdate:
         seen: Sequence[StampedPose],
     ) -> np.ndarray:
         """log p(z_t | x̄) (Section 4.2), (M,), at the times of the images."""
-        duration = max(path.times[-1] - path.times[0], 1e-9)
         log_likelihood = np.zeros(len(end))
         for detection in seen:
-            fraction = (detection.time - path.times[0]) / duration
             log_likelihood += detection_log_likelihood(
-                poses_at(start, end, fraction),
+                poses_at(start, end, _fraction(path, detection.time)),
                 detection.pose,
                 self._config.detection_noise,
             )
@@ -367,6 +366,29 @@ class ParticleFilterUpdate:
             disagreement=state.disagreement,
             step=state.step + 1,
         )
+
+
+def _fraction(path: ControlPath, time: float) -> float:
+    """Returns how much of the path had passed at a time."""
+    duration = max(path.times[-1] - path.times[0], 1e-9)
+    return (time - path.times[0]) / duration
+
+
+def _at_images(
+    start: np.ndarray,
+    end: np.ndarray,
+    path: ControlPath,
+    detections: Mapping[int, Sequence[StampedPose]],
+) -> np.ndarray:
+    """Returns the particles when they were last imaged, (M, K, 7).
+
+    Objects that weren't detected are where they are at the end.
+    """
+    imaged = end.copy()
+    for k, seen in detections.items():
+        fraction = _fraction(path, seen[-1].time)
+        imaged[:, k] = poses_at(start[:, k], end[:, k], fraction)
+    return imaged
 
 
 def _mask(indices: Iterable[int], length: int) -> np.ndarray:

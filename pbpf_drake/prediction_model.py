@@ -88,7 +88,10 @@ def MakePredictionModel(scene: Scene) -> PredictionModel:
     FreeRobotJoints(plant, models.robot)
     _ContactGeometry(builder, models).Build()
     plant.Finalize()
-    joint_names = tuple(RobotJointNames(plant, models.robot))
+    try:
+        joint_names = tuple(RobotJointNames(plant, models.robot))
+    except ValueError as error:
+        raise ValueError(f"Scene {scene.path}: robot: {error}") from error
     MakeRobotCoast(plant, models.robot)
     diagram = builder.Build()
     plant = diagram.plant()

@@ -7,10 +7,11 @@ the package.
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydrake.common.schema import Transform
-from pydrake.common.yaml import yaml_load_typed
+from pydrake.common.yaml import yaml_dump, yaml_load, yaml_load_typed
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import ModelDirective
 
@@ -115,13 +116,41 @@ def LoadScene(filename: str | Path) -> Scene:
     try:
         scene = yaml_load_typed(schema=Scene, filename=str(path))
     except Exception as error:
-        raise ValueError(f"Scene file {path}: {error}") from error
+        where = ": ".join(filter(None, (str(path), _bad_field(path))))
+        raise ValueError(f"Scene file {where}: {error}") from error
     scene.path = str(path)
     try:
         _validate(scene)
     except ValueError as error:
         raise ValueError(f"Scene file {path}: {error}") from error
     return scene
+
+
+def _bad_field(path: Path) -> str:
+    """Returns what Drake's own messages lack: the field that is wrong."""
+    try:
+        data = yaml_load(filename=str(path))
+    except Exception:  # It isn't YAML; the message says where.
+        return ""
+    names: list[str] = []
+    while isinstance(data, dict) and "_tag" not in data:
+        bad = [name for name in data if not _fits([*names, name], data[name])]
+        if not bad:
+            break
+        names.append(bad[0])
+        data = data[bad[0]]
+    return ".".join(names)
+
+
+def _fits(names: list[str], value: Any) -> bool:
+    """Tells if one field of a scene can be loaded on its own."""
+    for name in reversed(names):
+        value = {name: value}
+    try:
+        yaml_load_typed(schema=Scene, data=yaml_dump(value))
+    except Exception:
+        return False
+    return True
 
 
 def _validate(scene: Scene) -> None:
@@ -137,16 +166,29 @@ def _validate(scene: Scene) -> None:
             "models that the robot's model does not contain"
         )
     if len(scene.object_by_class()) != len(scene.tracked):
-        raise ValueError("two tracked models have the same class_id")
+        raise ValueError(
+            "tracked: two models have the same class_id; they are "
+            f"{[o.class_id or name for name, o in scene.tracked.items()]}"
+        )
     camera = scene.camera
-    for name in ("width", "height", "fx", "fy"):
-        if not getattr(camera, name) > 0:
-            raise ValueError(
-                f"camera.{name} is {getattr(camera, name)}; expected more "
-                "than 0"
-            )
+    for name in ("width", "height", "fx", "fy", "cx", "cy"):
+        value = getattr(camera, name)
+        if not np.isfinite(value):
+            raise ValueError(f"camera.{name} is {value}; expected a number")
+        if name not in ("cx", "cy") and value <= 0:
+            raise ValueError(f"camera.{name} is {value}; expected more than 0")
+    if camera.X_WC.base_frame:
+        raise ValueError(
+            f"camera.X_WC.base_frame is {camera.X_WC.base_frame!r}; expected "
+            "none: the pose is in the world"
+        )
+    if not camera.X_WC.IsDeterministic():
+        raise ValueError("camera.X_WC is random; expected one pose")
     if not np.all(np.isfinite(camera.pose().GetAsMatrix4())):
         raise ValueError("camera.X_WC is not finite")
     for name, tracked in scene.tracked.items():
         tracked.visibility.ValidateOrThrow(f"tracked.{name}.visibility")
-    scene.filter.ValidateOrThrow()
+    try:
+        scene.filter.ValidateOrThrow()
+    except ValueError as error:
+        raise ValueError(f"filter.{error}") from error

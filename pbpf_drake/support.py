@@ -5,6 +5,8 @@ tilts it would only make it fall back. So noise is restricted to what the
 support leaves free.
 """
 
+import math
+
 import numpy as np
 from pydrake.systems.framework import Context
 
@@ -25,14 +27,19 @@ def support_normal(points: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """
     if len(points) < 3:
         return np.zeros(3)
-    mean = np.mean(normals, axis=0)
-    length = np.linalg.norm(mean)
-    if length == 0 or np.min(normals @ mean) < _SAME_DIRECTION * length:
+    total = normals.sum(axis=0)
+    length = math.sqrt(total @ total)
+    if length == 0 or (normals @ total).min() < _SAME_DIRECTION * length:
         return np.zeros(3)
-    offsets = points - np.mean(points, axis=0)
-    if np.linalg.svd(offsets, compute_uv=False)[1] < _SPREAD:
+    offsets = points - points[0]
+    squared = np.einsum("ni,ni->n", offsets, offsets)
+    furthest = squared.argmax()
+    along = offsets @ offsets[furthest]
+    # Squared distances from the line to the furthest point, times its length.
+    across = squared * squared[furthest] - along * along
+    if across.max() < _SPREAD**2 * squared[furthest] or not squared.any():
         return np.zeros(3)
-    return mean / length
+    return total / length
 
 
 def find_supports(model: PredictionModel, context: Context) -> np.ndarray:

@@ -121,9 +121,16 @@ def Track(
         on_step: called after each of ``NumSteps``.
 
     Raises:
-        ValueError: see MakeTrackingDiagram.
+        ValueError: the log is shorter than a period, or see
+            MakeTrackingDiagram.
     """
     config = config or DefaultConfig(scene, method)
+    num_steps = NumSteps(log, config)
+    if num_steps < 1:
+        raise ValueError(
+            f"the log is {log.duration:.3g} s long; expected at least one "
+            f"period, {config.period:g} s"
+        )
     tracking = MakeTrackingDiagram(
         scene=scene,
         log=log,
@@ -137,7 +144,7 @@ def Track(
     rows = []
     try:
         simulator.Initialize()
-        for step in range(1, NumSteps(log, config) + 1):
+        for step in range(1, num_steps + 1):
             # An update at t is done when the simulator goes on from t.
             simulator.AdvanceTo((step + 0.5) * config.period)
             rows.append(_ReadPorts(tracking.estimator, context))

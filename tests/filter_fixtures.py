@@ -163,6 +163,30 @@ class FilterRun:
         return read_ports(self.filter, self.context)
 
 
+def block_at(update: int) -> list[float]:
+    """Where a block is that the probe pushes by 0.1 m/s from the start."""
+    return [PROBE[0] + REACH + 0.1 * PERIOD * update, 0.0, BLOCK[2]]
+
+
+def probe_at(update: int) -> tuple[float, float]:
+    """Where the probe is that pushes it."""
+    return PROBE[0] + 0.1 * PERIOD * update, 0.0
+
+
+def push(run: FilterRun, updates: range) -> dict[str, np.ndarray]:
+    """Pushes the block, which is detected at every other update.
+
+    Returns:
+        The values of all output ports at the end.
+    """
+    for i in updates:
+        run.set_joints(probe_at(i))
+        if i % 2:
+            run.measure(detections(PERIOD * i - 0.02, block=block_at(i)))
+        run.update(i)
+    return run.ports()
+
+
 def read_port(dut, context, name: str) -> np.ndarray:
     """Returns the value of an output port; poses as an array (K, 7)."""
     value = dut.GetOutputPort(name).Eval(context)

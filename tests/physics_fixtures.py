@@ -1,14 +1,19 @@
 """Scenes, simulations and clouds of particles for the tests of the physics."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from pydrake.common.yaml import yaml_load_typed
 
 from pbpf_drake import quaternions
 from pbpf_drake.control_path import ControlPath
-from pbpf_drake.motion_model import MotionInput
-from pbpf_drake.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.motion_model import MotionInput, MotionResult
+from pbpf_drake.particle_filter_config import (
+    ParticleFilterConfig,
+    PhysicalParametersConfig,
+    TruncatedGaussian,
+)
 from pbpf_drake.physical_parameters import SetPhysicalParameters
 from pbpf_drake.physics_motion_model import PhysicsMotionModel
 from pbpf_drake.pose_noise import add_process_noise
@@ -22,6 +27,13 @@ FLAT = np.array([1.0, 0.0, 0.0, 0.0])
 CAN_UPRIGHT = quaternions.from_rotation_vector(np.array([np.pi / 2, 0, 0]))
 # How high their centres are when they rest on the table.
 HEIGHTS = {"cracker": 0.0305, "gelatin": 0.01395, "soup": 0.05, "block": 0.0065}
+# Of a contact (in N/m).
+STIFFNESS = 3e4
+PROBE_RADIUS = 0.004745
+# The probe touches a block at the origin.
+TOUCHING = np.array([-0.045 - PROBE_RADIUS, 0.0])
+# Here it touches none.
+AWAY = np.array([-0.7, 0.7])
 
 _WORLD = """
 directives:
@@ -87,7 +99,7 @@ class Simulation:
         for body in model.models.objects:
             self.set_parameters(body, **parameters)
         if len(model.robot_q) == 2:
-            self.set_robot([-0.7, 0.7], [0.0, 0.0])
+            self.set_robot(AWAY, [0.0, 0.0])
 
     def set_parameters(
         self, body, *, friction=0.3, mass=0.4, dissipation=100.0
@@ -166,6 +178,47 @@ def make_motion(poses, velocities, path, *, step=1, active=None) -> MotionInput:
     )
 
 
+def exactly(**values: float) -> PhysicalParametersConfig:
+    """Returns a θ that is the same for all particles."""
+    config = PhysicalParametersConfig()
+    for name, value in values.items():
+        gaussian = TruncatedGaussian(mean=value, stddev=0.0, min=1e-3)
+        config = replace(config, **{name: gaussian})
+    return config
+
+
+def blocks_on_table(
+    num_particles: int, mass: np.ndarray | float = 0.4
+) -> np.ndarray:
+    """Blocks as deep in the table as they are at rest, (M, 1, 7)."""
+    poses = np.tile([*FLAT, 0.0, 0.0, HEIGHTS["block"]], (num_particles, 1, 1))
+    poses[:, 0, 6] -= mass * GRAVITY / (4 * STIFFNESS)
+    return poses
+
+
+def blocks_in_the_way(num_particles: int, seed: int = 0) -> np.ndarray:
+    """Blocks in the way of the probe, anywhere within 10 mm, (M, 1, 7)."""
+    rng = np.random.default_rng(seed)
+    poses = blocks_on_table(num_particles)
+    poses[:, 0, 4:6] += rng.uniform(0.0, 0.01, (num_particles, 2))
+    return poses
+
+
+def still(poses: np.ndarray) -> np.ndarray:
+    """Returns velocities of 0 for poses (M, K, 7)."""
+    return np.zeros((*poses.shape[:2], 6))
+
+
+def assert_same(
+    first: MotionResult, second: MotionResult, rows=slice(None)
+) -> None:
+    """Fails unless two results are identical to the bit."""
+    for name in ("poses", "velocities", "supports", "failed"):
+        np.testing.assert_array_equal(
+            getattr(first, name)[rows], getattr(second, name)[rows]
+        )
+
+
 class Cloud:
     """Particles that go through the filter's motion update, again and again.
 
@@ -176,7 +229,6 @@ class Cloud:
         model: the prediction model.
         config: of the filter.
         robot: (n,) where the robot starts.
-        noise: draws the noise in all directions where False.
     """
 
     def __init__(
@@ -202,18 +254,24 @@ class Cloud:
             self.poses, self.velocities, path, step=self.step + 1
         )
 
-    def update(self, path: ControlPath, *, in_space: bool = False) -> None:
+    def update(
+        self, path: ControlPath, *, in_space: bool = False
+    ) -> MotionResult:
         """Predicts, adds noise, and resolves penetration.
 
         Args:
             path: the robot's.
             in_space: whether noise ignores what the objects stand on.
+
+        Returns:
+            The prediction, before the noise.
         """
         result = self.motion_model.Propagate(self.motion(path), self.scratch)
         self.step += 1
         self.poses, self.velocities = result.poses, result.velocities
         supports = 0.0 * result.supports if in_space else result.supports
         self._disturb(supports, path.positions[-1])
+        return result
 
     def _disturb(self, supports: np.ndarray, robot: np.ndarray) -> None:
         noisy = add_process_noise(

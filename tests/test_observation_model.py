@@ -32,9 +32,7 @@ def test_pose_at_the_start_and_before_is_the_first(fraction):
 
 @pytest.mark.parametrize("fraction", [1.0, 1.5])
 def test_pose_at_the_end_and_after_is_the_last(fraction):
-    np.testing.assert_allclose(
-        poses_at(START, END, fraction), END, atol=1e-15
-    )
+    np.testing.assert_allclose(poses_at(START, END, fraction), END, atol=1e-15)
 
 
 @pytest.mark.parametrize("fraction", [0.1, 0.25, 0.5, 0.9])
@@ -43,7 +41,9 @@ def test_pose_in_between_is_a_straight_way_and_nearly_an_even_turn(fraction):
     np.testing.assert_allclose(
         pose[4:], (1 - fraction) * START[0, 4:] + fraction * END[0, 4:]
     )
-    slerp = Slerp([0, 1], Rotation.concatenate([_scipy(START[0]), _scipy(END[0])]))
+    slerp = Slerp(
+        [0, 1], Rotation.concatenate([_scipy(START[0]), _scipy(END[0])])
+    )
     error = (slerp(fraction).inv() * _scipy(pose)).magnitude()
     assert error < (1e-12 if fraction == 0.5 else 5e-3)
     np.testing.assert_allclose(np.linalg.norm(pose[:4]), 1, atol=1e-15)
@@ -61,7 +61,10 @@ def test_likelihood_is_that_of_independent_gaussians():
     rng = np.random.default_rng(3)
     turns, shifts = 0.1 * rng.standard_normal((2, 50, 3))
     particles = np.array(
-        [_pose(r, [0.3, 0.1, 0.0] + p) for r, p in zip(turns, shifts, strict=True)]
+        [
+            _pose(r, [0.3, 0.1, 0.0] + p)
+            for r, p in zip(turns, shifts, strict=True)
+        ]
     )
     detection = _pose([0.0, 0.0, 0.0], [0.3, 0.1, 0.0])
     log_likelihood = detection_log_likelihood(particles, detection, STDDEV)

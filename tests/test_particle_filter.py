@@ -1,18 +1,16 @@
-from dataclasses import replace
-
 from filter_fixtures import (
     BLOCK,
     PERIOD,
     PROBE,
-    REACH,
     FilterRun,
-    assert_same,
+    block_at,
     detections,
     planar_scene,
+    probe_at,
+    push,
     read_port,
     read_ports,
     small_config,
-    write_blocks_scene,
 )
 import numpy as np
 from pydrake.common.value import Value
@@ -45,25 +43,6 @@ def scene():
 
 def _make(scene, **changes) -> FilterRun:
     return FilterRun(scene, small_config(scene, **changes))
-
-
-def _block(update: int) -> list[float]:
-    """Where a block is that the probe pushes by 0.1 m/s from the start."""
-    return [PROBE[0] + REACH + 0.1 * PERIOD * update, 0.0, BLOCK[2]]
-
-
-def _probe(update: int) -> tuple[float, float]:
-    return PROBE[0] + 0.1 * PERIOD * update, 0.0
-
-
-def _push(run: FilterRun, updates: range) -> dict[str, np.ndarray]:
-    """Pushes the block, which is detected at every other update."""
-    for i in updates:
-        run.set_joints(_probe(i))
-        if i % 2:
-            run.measure(detections(PERIOD * i - 0.02, block=_block(i)))
-        run.update(i)
-    return run.ports()
 
 
 # Before the first detection.
@@ -135,7 +114,7 @@ def test_after_a_detection_the_object_is_tracked_for_good(scene):
 
 def test_estimate_and_covariance_are_those_of_the_weighted_particles(scene):
     run = _make(scene, num_particles=40)
-    _push(run, range(1, 4))
+    push(run, range(1, 4))
     assert run["effective_sample_size"] < 39
     weights = run["weights"]
     p = run["particles"].reshape(40, 7)[:, 4:]
@@ -156,10 +135,10 @@ def test_a_pushed_block_is_followed_while_it_is_hidden(scene):
         initial_noise=PoseStddev(),
         process_noise=PoseStddev(position=0.001, rotation=0.005),
     )
-    run.measure(detections(0.1, block=_block(0)))
+    run.measure(detections(0.1, block=block_at(0)))
     # Nothing is detected from now on.
     run.move_joints(lambda t: [PROBE[0] + 0.1 * t, 0.0], 11)
-    moved = run["estimated_poses"][0, 4] - _block(0)[0]
+    moved = run["estimated_poses"][0, 4] - block_at(0)[0]
     assert moved == pytest.approx(0.1 * 11 * PERIOD, abs=0.005)
     assert run["detected"] == [0]
 
@@ -169,7 +148,7 @@ def test_what_the_robot_did_within_a_period_counts(scene):
     ends = []
     for excursion in (0.0, 0.01):
         run = _make(scene, **ROUGH)
-        run.measure(detections(0.15, block=_block(0)))
+        run.measure(detections(0.15, block=block_at(0)))
 
         def path(t, excursion=excursion):
             # There and back between the first and the second update.
@@ -187,113 +166,13 @@ def test_velocities_bend_the_path_between_two_samples(scene):
         run = _make(scene, control_samples=1, **ROUGH)
         port = run.filter.GetInputPort("joint_velocities")
         port.FixValue(run.context, [v, 0.0])
-        run.measure(detections(0.15, block=_block(0)))
+        run.measure(detections(0.15, block=block_at(0)))
         run.update(1)
         port.FixValue(run.context, [-v, 0.0])
         run.update(2)
         ends.append(run["estimated_poses"][0, 4])
     # Forwards and back: by v T / 4.
     assert ends[1] - ends[0] == pytest.approx(0.5 * PERIOD / 4, abs=5e-3)
-
-
-# Determinism.
-
-
-@pytest.mark.parametrize("motion", MOTIONS)
-def test_the_same_seed_gives_the_same_bits_and_another_does_not(scene, motion):
-    first, again = (
-        _push(_make(scene, motion=motion), range(1, 5)) for _ in range(2)
-    )
-    assert_same(first, again)
-    other = _push(_make(scene, motion=motion, seed=1), range(1, 5))
-    assert np.all(other["estimated_poses"] != first["estimated_poses"])
-
-
-def test_one_and_two_threads_agree_to_the_bit(scene):
-    first, second = (
-        _push(_make(scene, num_threads=n), range(1, 5)) for n in (1, 2)
-    )
-    assert_same(first, second)
-
-
-def _continue(run: FilterRun, simulator: Simulator) -> dict[str, np.ndarray]:
-    """Goes on for two updates with another simulator's context."""
-    context = simulator.get_mutable_context()
-    for i in (4, 5):
-        run.filter.GetInputPort("joint_positions").FixValue(context, _probe(i))
-        run.filter.GetInputPort("dope_measurement").FixValue(
-            context, Value(detections(PERIOD * i - 0.02, block=_block(i)))
-        )
-        simulator.AdvanceTo((i + 0.5) * PERIOD)
-    return read_ports(run.filter, context)
-
-
-@pytest.mark.parametrize("motion", MOTIONS)
-def test_a_context_cloned_between_updates_continues_identically(scene, motion):
-    run = _make(scene, motion=motion)
-    # Other than the joints were at the last update, and since.
-    _push(run, range(1, 4))
-    run.set_joints([_probe(3)[0] + 0.01, 0.003])
-    run.simulator.AdvanceTo(3.7 * PERIOD)
-    clones = [run.context.Clone() for _ in range(2)]
-    expected = _continue(run, run.simulator)
-    # A new simulator initializes, which must not forget what has been.
-    actual = _continue(run, Simulator(run.filter, clones[0]))
-    assert_same(expected, actual)
-    # Nor does it matter what else the filter has computed by now.
-    assert_same(expected, _continue(run, Simulator(run.filter, clones[1])))
-
-
-def test_a_context_whose_time_is_set_back_starts_with_new_samples(scene):
-    run = _make(scene)
-    _push(run, range(1, 4))
-    run.context.SetTime(0.0)
-    run.simulator.Initialize()
-    assert run["update_time"] == [-1]
-    run.update(1)
-    assert run["update_time"] == pytest.approx([PERIOD])
-    assert np.all(np.isfinite(run["particles"]))
-
-
-def test_two_filters_in_one_diagram_give_what_each_gives_alone(scene):
-    configs = {
-        "few": small_config(scene, num_particles=4, seed=2),
-        "more": small_config(
-            scene, num_particles=7, seed=3, use_visibility=True
-        ),
-    }
-    builder = DiagramBuilder()
-    for name, config in configs.items():
-        dut = AddParticleFilter(
-            builder=builder, scene=scene, config=config, name=name
-        )
-        for port in ("joint_positions", "dope_measurement"):
-            if name == "few":
-                builder.ExportInput(dut.GetInputPort(port), port)
-            else:
-                builder.ConnectInput(port, dut.GetInputPort(port))
-    diagram = builder.Build()
-    simulator = Simulator(diagram)
-    context = simulator.get_mutable_context()
-    for i in range(1, 5):
-        diagram.GetInputPort("joint_positions").FixValue(context, _probe(i))
-        if i % 2:
-            measurement = detections(PERIOD * i - 0.02, block=_block(i))
-            port = diagram.GetInputPort("dope_measurement")
-            port.FixValue(context, Value(measurement))
-        elif i == 2:
-            continue
-        simulator.AdvanceTo((i + 0.5) * PERIOD)
-    for name, config in configs.items():
-        dut = diagram.GetSubsystemByName(name)
-        together = read_ports(dut, dut.GetMyContextFromRoot(context))
-        run = FilterRun(scene, config)
-        for i in (1, 3, 4):
-            run.set_joints(_probe(i))
-            if i % 2:
-                run.measure(detections(PERIOD * i - 0.02, block=_block(i)))
-            run.update(i)
-        assert_same(run.ports(), together)
 
 
 # By hand.
@@ -306,12 +185,12 @@ def test_updates_can_be_made_by_hand(scene, motion):
     dut.GetInputPort("joint_positions").FixValue(context, PROBE)
     dut.ExecuteInitializationEvents(context)
     for i in range(1, 4):
-        measurement = detections(PERIOD * i - 0.02, block=_block(i))
-        run.set_joints(_probe(i))
+        measurement = detections(PERIOD * i - 0.02, block=block_at(i))
+        run.set_joints(probe_at(i))
         run.measure(measurement)
         run.update(i)
         context.SetTime(PERIOD * i)
-        dut.GetInputPort("joint_positions").FixValue(context, _probe(i))
+        dut.GetInputPort("joint_positions").FixValue(context, probe_at(i))
         dut.GetInputPort("dope_measurement").FixValue(
             context, Value(measurement)
         )
@@ -370,51 +249,3 @@ def test_updates_are_reported_with_their_wall_time(scene):
     Simulator(dut, context).AdvanceTo(3.5 * PERIOD)
     assert len(seconds) == 3
     assert all(0 < s < 10 for s in seconds)
-
-
-# Several objects.
-
-
-@pytest.mark.parametrize("use_visibility", [False, True])
-def test_what_is_never_detected_does_not_influence_another(
-    tmp_path, use_visibility
-):
-    """It may even be in the same place."""
-    results = []
-    for second in ([0.2, 0.0, 0.0065], [0.4, 0.3, 0.5]):
-        scene = write_blocks_scene(tmp_path, {"one": BLOCK, "two": second})
-        run = _make(scene, use_visibility=use_visibility)
-        for i in range(1, 4):
-            run.set_joints(_probe(i))
-            run.measure(detections(PERIOD * i - 0.02, one=_block(i)))
-            run.update(i)
-        ports = run.ports()
-        np.testing.assert_array_equal(ports["tracked"], [1, 0])
-        np.testing.assert_array_equal(ports["detected"], [1, 0])
-        np.testing.assert_allclose(
-            ports["estimated_poses"][1], [1, 0, 0, 0, *second], atol=1e-15
-        )
-        for name, shape in (
-            ("particles", (8, 2, 7)),
-            ("covariances", (1, 2, 36)),
-        ):
-            ports[name] = ports[name].reshape(shape)[:, 0]
-        ports["estimated_poses"] = ports["estimated_poses"][:1]
-        results.append(ports)
-    assert_same(*results)
-
-
-def test_objects_may_be_detected_one_after_the_other(tmp_path):
-    second = [0.5, 0.2, 0.0065]
-    scene = write_blocks_scene(tmp_path, {"one": BLOCK, "two": second})
-    run = FilterRun(scene, replace(small_config(scene), use_visibility=True))
-    run.measure(detections(0.1, one=BLOCK))
-    run.update(1)
-    np.testing.assert_array_equal(run["tracked"], [1, 0])
-    run.measure(detections(0.3, two=second))
-    run.update(2)
-    np.testing.assert_array_equal(run["tracked"], [1, 1])
-    np.testing.assert_array_equal(run["detected"], [0, 1])
-    np.testing.assert_allclose(
-        run["estimated_poses"][1, 4:6], second[:2], atol=0.05
-    )

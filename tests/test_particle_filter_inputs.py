@@ -95,7 +95,7 @@ def test_a_stamp_of_the_future_is_used_when_its_time_has_come(scene):
     assert run["detected"] == [1]
 
 
-@pytest.mark.parametrize("bad", [None, {"block": BLOCK}, RigidTransform])
+@pytest.mark.parametrize("bad", [{"block": BLOCK}, [BLOCK], RigidTransform])
 def test_a_measurement_of_another_type_is_a_worded_error(scene, bad):
     run = _make(scene)
     run.measure(bad)

@@ -3,6 +3,7 @@ from physics_fixtures import (
     CAN_UPRIGHT,
     FLAT,
     HEIGHTS,
+    PROBE_RADIUS,
     Simulation,
     make_model,
 )
@@ -11,7 +12,6 @@ import pytest
 from pbpf_drake import quaternions
 from pbpf_drake.penetration import push_out
 
-PROBE_RADIUS = 0.004745
 HALF_BLOCK = 0.045
 REST = HEIGHTS["block"]
 FAR = np.array([-0.7, 0.7])

@@ -109,6 +109,8 @@ def _write_heavier(folder, factor: float) -> None:
 
 def _push(simulation: Simulation) -> np.ndarray:
     """Pushes a box off its centre; returns what it does, (n, 13)."""
+    simulation.set_velocity(np.zeros(6))
+    simulation.set_robot([-0.5, 0.0], [0.0, 0.0])
     simulation.settle(FLAT, [0.0, 0.0, HEIGHTS["cracker"]])
     simulation.set_robot([-0.09, 0.03], [0.1, 0.02])
     trajectory = []

@@ -4,6 +4,8 @@ from physics_fixtures import (
     FLAT,
     GRAVITY,
     HEIGHTS,
+    PROBE_RADIUS,
+    STIFFNESS,
     Simulation,
     make_model,
     make_scene,
@@ -14,9 +16,6 @@ from recording_fixtures import SCENES
 from pbpf_drake import quaternions
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import LoadScene
-
-PROBE_RADIUS = 0.004745
-STIFFNESS = 3e4
 
 CROSSBEAM = """
 - add_model:
@@ -35,7 +34,8 @@ CORNERS = np.array(
 ) * [0.05, 0.03, 0.02]
 MESH_SDF = """<sdf version="1.7" xmlns:drake="http://drake.mit.edu">
 <model name="brick"><link name="brick"><inertial><mass>0.5</mass><inertia>
-<ixx>2e-4</ixx><iyy>5e-4</iyy><izz>6e-4</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz>
+<ixx>2e-4</ixx><iyy>5e-4</iyy><izz>6e-4</izz>
+<ixy>0</ixy><ixz>0</ixz><iyz>0</iyz>
 </inertia></inertial><collision name="hull"><geometry><mesh><uri>brick.obj</uri>
 {convex}</mesh></geometry></collision></link></model></sdf>"""
 

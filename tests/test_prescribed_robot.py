@@ -1,5 +1,11 @@
 import numpy as np
-from physics_fixtures import FLAT, HEIGHTS, Simulation, make_model
+from physics_fixtures import (
+    FLAT,
+    HEIGHTS,
+    PROBE_RADIUS,
+    Simulation,
+    make_model,
+)
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 import pytest
@@ -18,9 +24,9 @@ WALL = """
     child: wall::scene_4_support
     X_PC: {translation: [0.2035, 0.0, 0.08405]}
 """
-# The wall's face is at x = 0.1, the probe's radius is 4.745 mm.
+# The wall's face is at x = 0.1.
 AT_WALL = 0.1 - 0.045
-TOUCHING = AT_WALL - 0.045 - 0.004745
+TOUCHING = AT_WALL - 0.045 - PROBE_RADIUS
 
 
 def _plant(urdf: str):
@@ -97,7 +103,7 @@ def test_an_arm_coasts_in_the_air_whatever_its_speed(panda):
         q, v = rng.uniform(-1, 1, (2, 9))
         panda.set_robot(q, v)
         panda.advance(0.16)
-        np.testing.assert_allclose(panda.robot(), q + 0.16 * v, atol=1e-5)
+        np.testing.assert_allclose(panda.robot(), q + 0.16 * v, atol=1e-6)
 
 
 def test_an_arm_passes_its_limits(panda):

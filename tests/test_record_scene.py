@@ -1,10 +1,10 @@
 import numpy as np
-from pbpf_drake.diagrams.record_scene import main
 from pydrake.multibody.plant import MultibodyPlant
 import pytest
 from recording_fixtures import SCENES
 
 from pbpf_drake import quaternions
+from pbpf_drake.diagrams.record_scene import main
 from pbpf_drake.mcap_log_reader import ReadLog
 from pbpf_drake.push_path import ActuatedJoints
 from pbpf_drake.scene import LoadScene
@@ -101,8 +101,8 @@ def test_shipped_box_is_lost_while_it_is_pushed_on(shipped):
     truth = shipped.ground_truth["cracker"]
     last = shipped.detections[-1].time
     hidden = truth.p_WO[truth.times > last]
-    assert 0.35 < 1 - last / shipped.duration < 0.5
-    assert np.linalg.norm(hidden[-1] - hidden[0]) > 0.19
+    assert 0.4 < 1 - last / shipped.duration < 0.55
+    assert np.linalg.norm(hidden[-1] - hidden[0]) > 0.15
     seen = np.diff([d.time for d in shipped.detections if d.time < 12.0])
     np.testing.assert_allclose(seen, 0.066, atol=1e-6)
 

@@ -82,9 +82,9 @@ def test_obstacle_hides_the_cracker_at_the_end_of_the_push_only():
         points = grid + [0, shift, 0]
         return np.array([_is_blocked(world, camera, p) for p in points])
 
-    for shift in 0.0, 0.1:
+    for shift in 0.0, 0.12:
         assert not hidden(shift).any()
-    for shift in 0.3, 0.35, 0.4, 0.45:
+    for shift in 0.24, 0.28, 0.32, 0.36:
         assert hidden(shift)[13], "the centre"
         assert hidden(shift).mean() > 0.5
 

@@ -3,6 +3,7 @@ from physics_fixtures import (
     CAN_UPRIGHT,
     FLAT,
     HEIGHTS,
+    PROBE_RADIUS,
     Simulation,
     make_model,
 )
@@ -142,7 +143,7 @@ def test_another_tracked_object_is_no_support(simulation):
 def test_the_robot_is_no_support(simulation):
     """The block is on the table, and the probe presses against its side."""
     block = [*FLAT, 0.2, 0.0, HEIGHTS["block"] - SUNK]
-    simulation.set_robot([0.2 - 0.045 - 0.004745 + 1e-4, 0.0], [0.0, 0.0])
+    simulation.set_robot([0.2 - 0.045 - PROBE_RADIUS + 1e-4, 0.0], [0.0, 0.0])
     supports = _supports(simulation, block)
     simulation.set_robot([-0.7, 0.7], [0.0, 0.0])
     np.testing.assert_allclose(supports[0], UP, atol=1e-9)
