@@ -31,8 +31,8 @@ from pydrake.systems.sensors import CameraInfo
 from pbpf_drake.joint_log_source import interpolate_joints
 from pbpf_drake.log import Log
 from pbpf_drake.mcap_log_reader import ReadLog
-from pbpf_drake.particle_filter import rigid_transform
 from pbpf_drake.particle_filter_config import METHODS
+from pbpf_drake.pose_conversion import rigid_transform
 from pbpf_drake.pose_interpolation import interpolate_poses
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import CameraConfig, LoadScene, Scene

@@ -16,7 +16,7 @@ from pydrake.math import RigidTransform
 
 from pbpf_drake import quaternions
 from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
-from pbpf_drake.particle_filter import rigid_transform
+from pbpf_drake.pose_conversion import rigid_transform
 from pbpf_drake.pose_interpolation import interpolate_poses
 from pbpf_drake.pose_noise import perturb_poses
 

@@ -6,7 +6,6 @@ import time as wall_clock
 from typing import Any
 
 import numpy as np
-from pydrake.common.eigen_geometry import Quaternion
 from pydrake.common.value import AbstractValue, Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import (
@@ -19,13 +18,10 @@ from pydrake.systems.framework import (
 
 from pbpf_drake.control_path import ControlPath, add_hermite_midpoints
 from pbpf_drake.dope_measurement import DopeMeasurement
+from pbpf_drake.filter_state import FilterState, MakeInitialState, StampedPose
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
-from pbpf_drake.particle_filter_update import (
-    FilterState,
-    MakeInitialState,
-    ParticleFilterUpdate,
-    StampedPose,
-)
+from pbpf_drake.particle_filter_update import ParticleFilterUpdate
+from pbpf_drake.pose_conversion import pose_array, rigid_transform
 from pbpf_drake.pose_statistics import pose_covariance
 from pbpf_drake.resampling import effective_sample_size
 
@@ -358,19 +354,6 @@ class PhysicsBasedParticleFilter(LeafSystem):
 
     def _CalcTracked(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(1.0 * (self._State(context).num_estimates > 0))
-
-
-def pose_array(X_WO: RigidTransform) -> np.ndarray:
-    """Returns (7,): qw qx qy qz, x y z (in meters)."""
-    q = X_WO.rotation().ToQuaternion().wxyz()
-    return np.concatenate([q, X_WO.translation()])
-
-
-def rigid_transform(pose: np.ndarray) -> RigidTransform:
-    """Returns the pose (7,) as a RigidTransform."""
-    return RigidTransform(
-        Quaternion(pose[:4] / np.linalg.norm(pose[:4])), pose[4:]
-    )
 
 
 class _Scratch:

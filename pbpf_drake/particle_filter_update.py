@@ -6,12 +6,13 @@ of ``poses``, v is ``visibility``.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from pbpf_drake.control_path import ControlPath
+from pbpf_drake.filter_state import FilterState, StampedPose
 from pbpf_drake.motion_model import MotionInput, MotionModel, MotionResult
 from pbpf_drake.observation_model import detection_log_likelihood, poses_at
 from pbpf_drake.particle_filter_config import (
@@ -28,72 +29,6 @@ from pbpf_drake.visibility import VisibilityModel, visibility_log_factor
 # First particles are chosen from this many times as many: of 70 that are
 # spread over 0.16 m and 0.43 rad, about one would be where the object is.
 _CANDIDATES = 100
-
-
-@dataclass(frozen=True)
-class StampedPose:
-    """A detection of one object.
-
-    Attributes:
-        time: stamp of the image (in seconds).
-        pose: (7,) X_WO: qw qx qy qz, x y z (in meters).
-    """
-
-    time: float
-    pose: np.ndarray
-
-
-@dataclass(frozen=True)
-class FilterState:
-    """All that one update hands to the next.
-
-    Attributes:
-        poses: (M, K, 7) particles: qw qx qy qz, x y z (in meters), X_WO.
-        velocities: (M, K, 6) angular (rad/s), then translational (m/s).
-        weights: (M,) importance factors, normalized.
-        estimates: (2, K, 7) the mean of the last update, and of the one
-            before it.
-        num_estimates: (K,) how many of the two there are; an object without
-            any isn't tracked yet.
-        detection_times: (K,) stamps of the last detections that were used.
-        detected: (K,) 1 where the last update used a detection, else 0.
-        disagreement: (K, 3) of the detections with the particles; see
-            track_loss.
-        step: (1,) count of updates.
-    """
-
-    poses: np.ndarray
-    velocities: np.ndarray
-    weights: np.ndarray
-    estimates: np.ndarray
-    num_estimates: np.ndarray
-    detection_times: np.ndarray
-    detected: np.ndarray
-    disagreement: np.ndarray
-    step: np.ndarray
-
-
-def MakeInitialState(
-    num_particles: int, nominal_poses: np.ndarray
-) -> FilterState:
-    """Returns the state before the first detection.
-
-    Args:
-        num_particles: M.
-        nominal_poses: (K, 7), which stand for estimates until there are any.
-    """
-    num_objects = len(nominal_poses)
-    return FilterState(
-        poses=np.tile(nominal_poses, (num_particles, 1, 1)),
-        velocities=np.zeros((num_particles, num_objects, 6)),
-        weights=np.full(num_particles, 1.0 / num_particles),
-        estimates=np.tile(nominal_poses, (2, 1, 1)),
-        num_estimates=np.zeros(num_objects),
-        detection_times=np.full(num_objects, -np.inf),
-        detected=np.zeros(num_objects),
-        disagreement=np.zeros((num_objects, 3)),
-        step=np.zeros(1),
-    )
 
 
 class ParticleFilterUpdate:

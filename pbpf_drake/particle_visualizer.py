@@ -15,7 +15,7 @@ from pydrake.systems.framework import (
 )
 
 from pbpf_drake.dope_measurement import DopeMeasurement
-from pbpf_drake.particle_filter import rigid_transform
+from pbpf_drake.pose_conversion import rigid_transform
 from pbpf_drake.scene import Scene
 from pbpf_drake.scene_meshcat import SceneMeshcat
 from pbpf_drake.visual_geometry import (

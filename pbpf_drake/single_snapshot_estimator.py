@@ -9,7 +9,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from pbpf_drake.dope_measurement import Detection, DopeMeasurement
-from pbpf_drake.particle_filter import pose_array, rigid_transform
+from pbpf_drake.pose_conversion import pose_array, rigid_transform
 
 
 class SingleSnapshotEstimator(LeafSystem):

@@ -15,9 +15,9 @@ from pbpf_drake.estimate_recorder import AddEstimateRecorder, EstimateRecorder
 from pbpf_drake.ground_truth_log_source import GroundTruthLogSource
 from pbpf_drake.joint_log_source import JointLogSource
 from pbpf_drake.log import Log
-from pbpf_drake.particle_filter import pose_array
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.particle_visualizer import AddParticleVisualizer
+from pbpf_drake.pose_conversion import pose_array
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import Scene
 from pbpf_drake.single_snapshot_estimator import SingleSnapshotEstimator

@@ -12,8 +12,9 @@ from pydrake.systems.analysis import Simulator
 from pbpf_drake.add_particle_filter import MakeParticleFilter
 from pbpf_drake.dope_measurement import Detection, DopeMeasurement
 from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
-from pbpf_drake.particle_filter import PhysicsBasedParticleFilter, pose_array
+from pbpf_drake.particle_filter import PhysicsBasedParticleFilter
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.pose_conversion import pose_array
 from pbpf_drake.scene import LoadScene, Scene
 from pbpf_drake.scene_models import data_folder
 

@@ -16,11 +16,9 @@ from update_fixtures import (
 )
 
 from pbpf_drake import quaternions
+from pbpf_drake.filter_state import MakeInitialState
 from pbpf_drake.particle_filter_config import ParticleFilterConfig, PoseStddev
-from pbpf_drake.particle_filter_update import (
-    MakeInitialState,
-    ParticleFilterUpdate,
-)
+from pbpf_drake.particle_filter_update import ParticleFilterUpdate
 
 
 class ExactFilter:

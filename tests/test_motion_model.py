@@ -4,14 +4,10 @@ from scipy.spatial.transform import Rotation
 
 from pbpf_drake import quaternions
 from pbpf_drake.control_path import ControlPath
+from pbpf_drake.filter_state import FilterState, MakeInitialState, StampedPose
 from pbpf_drake.motion_model import ConstantVelocityMotionModel, MotionInput
 from pbpf_drake.particle_filter_config import ParticleFilterConfig, PoseStddev
-from pbpf_drake.particle_filter_update import (
-    FilterState,
-    MakeInitialState,
-    ParticleFilterUpdate,
-    StampedPose,
-)
+from pbpf_drake.particle_filter_update import ParticleFilterUpdate
 
 PERIOD = 0.16
 NUM_PARTICLES = 5

@@ -13,8 +13,8 @@ from update_fixtures import (
     step,
 )
 
+from pbpf_drake.filter_state import FilterState, MakeInitialState
 from pbpf_drake.particle_filter_config import PoseStddev
-from pbpf_drake.particle_filter_update import FilterState, MakeInitialState
 from pbpf_drake.resampling import effective_sample_size
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from pbpf_drake import quaternions
 from pbpf_drake.diagrams.planar_push_log import ReadPlanarPush
-from pbpf_drake.particle_filter import pose_array
+from pbpf_drake.pose_conversion import pose_array
 
 NAMES = "t,slider_x,slider_y,slider_theta,pusher_x,pusher_y,new_pose"
 X_WC = RigidTransform(RollPitchYaw(np.pi, 0.1, 0.2), [0.4, -0.1, 1.0])

@@ -4,8 +4,8 @@ from pydrake.math import RotationMatrix
 import pytest
 
 from pbpf_drake import quaternions
-from pbpf_drake.particle_filter import pose_array, rigid_transform
 from pbpf_drake.particle_filter_config import PoseStddev
+from pbpf_drake.pose_conversion import pose_array, rigid_transform
 from pbpf_drake.pose_noise import (
     add_process_noise,
     perturb_poses,

@@ -8,12 +8,9 @@ import pytest
 from update_fixtures import NOMINAL, FreeMotion, make_config, see
 
 from pbpf_drake.control_path import ControlPath
+from pbpf_drake.filter_state import FilterState, MakeInitialState
 from pbpf_drake.particle_filter_config import PoseStddev, VisibilityConfig
-from pbpf_drake.particle_filter_update import (
-    FilterState,
-    MakeInitialState,
-    ParticleFilterUpdate,
-)
+from pbpf_drake.particle_filter_update import ParticleFilterUpdate
 from pbpf_drake.visibility import VisibilityModel
 
 # A roof between the camera and the table. Seen from there, it hides the table

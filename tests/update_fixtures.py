@@ -6,14 +6,10 @@ from filter_fixtures import PERIOD
 import numpy as np
 
 from pbpf_drake.control_path import ControlPath
+from pbpf_drake.filter_state import FilterState, MakeInitialState, StampedPose
 from pbpf_drake.motion_model import MotionInput, MotionModel, MotionResult
 from pbpf_drake.particle_filter_config import ParticleFilterConfig, PoseStddev
-from pbpf_drake.particle_filter_update import (
-    FilterState,
-    MakeInitialState,
-    ParticleFilterUpdate,
-    StampedPose,
-)
+from pbpf_drake.particle_filter_update import ParticleFilterUpdate
 
 VELOCITY = np.array([0.05, -0.1, 0.02])
 UNIT = np.array([1.0, 0.0, 0.0, 0.0])
