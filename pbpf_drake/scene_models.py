@@ -15,7 +15,6 @@ from pydrake.multibody.tree import (
     JointIndex,
     ModelInstanceIndex,
     RigidBody,
-    world_model_instance,
 )
 
 from pbpf_drake.scene import Scene
@@ -121,8 +120,6 @@ def _tracked_body(plant: MultibodyPlant, name: str) -> BodyIndex:
             f"tracked model {name!r} has {len(bodies)} bodies; expected one"
         )
     body: RigidBody = plant.get_body(bodies[0])
-    for i in plant.GetJointIndices(world_model_instance()):
-        _check_free(plant.get_joint(i).child_body(), body, name)
     for index in range(plant.num_model_instances()):
         for j in plant.GetJointIndices(ModelInstanceIndex(index)):
             joint = plant.get_joint(JointIndex(j))
