@@ -217,20 +217,26 @@ class PhysicsBasedParticleFilter(LeafSystem):
         values.get_mutable_value(self._update_time_index)[:] = -1.0
 
     def _Sample(self, context: Context, values: DiscreteValues) -> None:
-        """Keeps joints and detections until the next update."""
+        self._TakeSamples(context, values)
+
+    def _TakeSamples(
+        self, context: Context, values: DiscreteValues
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Keeps joints and detections until the next update; returns both."""
         samples, detections = self._Samples(context), self._Detections(context)
         values.get_mutable_value(self._samples_index)[:] = samples.ravel()
         values.get_mutable_value(self._detections_index)[:] = detections.ravel()
+        return samples, detections
 
     def _Update(self, context: Context, values: DiscreteValues) -> None:
         start = wall_clock.perf_counter()
-        self._Sample(context, values)
+        samples, rows = self._TakeSamples(context, values)
         state = self._State(context)
         scratch = self.get_cache_entry(self._scratch_index).Eval(context)
         state = self._update.Update(
             state,
-            path=self._Path(context),
-            detections=self._NewDetections(context, state),
+            path=self._Path(context, samples),
+            detections=_new_detections(rows, state),
             scratch=scratch.Get(),
         )
         for name, index in self._state_index.items():
@@ -276,9 +282,8 @@ class PhysicsBasedParticleFilter(LeafSystem):
             return np.vstack([samples[:-1], now])
         return np.vstack([samples[1:], now])
 
-    def _Path(self, context: Context) -> ControlPath:
+    def _Path(self, context: Context, samples: np.ndarray) -> ControlPath:
         """Returns u_t: the samples since the last update."""
-        samples = self._Samples(context)
         samples = samples[np.isfinite(samples[:, 0])]
         last = context.get_discrete_state(self._update_time_index).value()[0]
         start = np.searchsorted(samples[:, 0], last + _SAME_TIME) - 1
@@ -317,17 +322,6 @@ class PhysicsBasedParticleFilter(LeafSystem):
                 detections[k] = np.vstack([detections[k, 1:], row])
         return detections
 
-    def _NewDetections(
-        self, context: Context, state: FilterState
-    ) -> dict[int, list[StampedPose]]:
-        """Returns the detections that no update has used yet."""
-        new = {}
-        for k, rows in enumerate(self._Detections(context)):
-            unused = rows[rows[:, 0] > state.detection_times[k]]
-            if len(unused):
-                new[k] = [StampedPose(row[0], row[1:]) for row in unused]
-        return new
-
     def _CalcEstimatedPoses(
         self, context: Context, output: AbstractValue
     ) -> None:
@@ -354,6 +348,18 @@ class PhysicsBasedParticleFilter(LeafSystem):
 
     def _CalcTracked(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(1.0 * (self._State(context).num_estimates > 0))
+
+
+def _new_detections(
+    detections: np.ndarray, state: FilterState
+) -> dict[int, list[StampedPose]]:
+    """Returns those of the sampled rows that no update has used yet."""
+    new = {}
+    for k, rows in enumerate(detections):
+        unused = rows[rows[:, 0] > state.detection_times[k]]
+        if len(unused):
+            new[k] = [StampedPose(row[0], row[1:]) for row in unused]
+    return new
 
 
 class _Scratch:
