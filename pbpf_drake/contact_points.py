@@ -4,6 +4,11 @@ Point contact gives one point per pair of geometries. A box on a box then
 rocks and sinks, and a can sticks. Small spheres at the corners, or around
 both rims, give the contact the extent that it really has. They are made from
 the shape, so that a user's model gets them too.
+
+The spheres are soft, so that long steps of the physics do: if they were ten
+times as stiff, steps would have to be less than half as long. They stick out of
+the shape as far as they sink in: what stands on four of them stands where it
+should.
 """
 
 from dataclasses import dataclass
@@ -11,14 +16,20 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.geometry import Box, Capsule, Convex, Cylinder, Mesh, Shape
 
-# Radius of the spheres (in meters). Their surfaces touch the shape's own.
-_RADIUS = 1e-4
+# Of a contact of the spheres, and of one of the shape itself, which the robot
+# touches (in N/m per kg of the object).
+POINT_STIFFNESS = 3e3
+SHAPE_STIFFNESS = 3e4
+# How deep a thing that stands on four points sinks in (in meters).
+REST_DEPTH = 9.81 / (4 * POINT_STIFFNESS)
+# Radius of the spheres (in meters).
+_RADIUS = REST_DEPTH
 # Points around each rim of a cylinder.
 _RIM_POINTS = 8
 # Points that stand for the vertices of a convex hull.
 _HULL_POINTS = 16
 # How much smaller than the shape its core is, on every side (in meters).
-_INSET = 5e-4
+_INSET = 1e-3
 
 
 @dataclass(frozen=True)
@@ -38,7 +49,7 @@ def MakeContactPoints(shape: Shape) -> ContactPoints:
     """Returns the spheres of a shape; none if it is round all over."""
     if isinstance(shape, Box):
         signs = np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
-        return ContactPoints(signs * (shape.size() / 2 - _RADIUS), _RADIUS)
+        return ContactPoints(signs * shape.size() / 2, _RADIUS)
     if isinstance(shape, Cylinder):
         return ContactPoints(_rims(shape), _RADIUS)
     if isinstance(shape, Capsule):
@@ -71,9 +82,8 @@ def MakeCore(shape: Shape) -> Shape | None:
 
 def _rims(cylinder: Cylinder) -> np.ndarray:
     angles = 2 * np.pi * np.arange(_RIM_POINTS) / _RIM_POINTS
-    radius = cylinder.radius() - _RADIUS
-    z = cylinder.length() / 2 - _RADIUS
-    rim = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    z = cylinder.length() / 2
+    rim = cylinder.radius() * np.column_stack([np.cos(angles), np.sin(angles)])
     return np.vstack(
         [np.column_stack([rim, np.full(_RIM_POINTS, end)]) for end in (-z, z)]
     )
@@ -89,6 +99,4 @@ def _hull_vertices(shape: Convex | Mesh) -> np.ndarray:
         chosen.append(int(np.argmax(distance)))
         new = np.linalg.norm(vertices - vertices[chosen[-1]], axis=1)
         distance = np.minimum(distance, new)
-    inward = centre - vertices[chosen]
-    length = np.linalg.norm(inward, axis=1, keepdims=True)
-    return vertices[chosen] + _RADIUS * inward / length
+    return vertices[chosen]

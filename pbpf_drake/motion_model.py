@@ -73,6 +73,7 @@ class MotionModel(Protocol):
     def ResolvePenetration(
         self,
         poses: np.ndarray,
+        supports: np.ndarray,
         robot_positions: np.ndarray,
         active: np.ndarray,
         scratch: Any,
@@ -81,6 +82,7 @@ class MotionModel(Protocol):
 
         Args:
             poses: (M, K, 7).
+            supports: (M, K, 3) what the objects stand on, as in MotionResult.
             robot_positions: (n,) where the robot is (in radians or meters).
             active: (K,) whether an object is tracked yet.
             scratch: from MakeScratch.
@@ -120,6 +122,7 @@ class ConstantVelocityMotionModel:
     def ResolvePenetration(
         self,
         poses: np.ndarray,
+        supports: np.ndarray,
         robot_positions: np.ndarray,
         active: np.ndarray,
         scratch: None,

@@ -5,6 +5,9 @@ import numpy as np
 from pbpf_drake import quaternions
 from pbpf_drake.particle_filter_config import PoseStddev
 
+# So many standard deviations off, an outlier is as likely as a detection.
+_OUTLIER = 5.0
+
 
 def poses_at(start: np.ndarray, end: np.ndarray, fraction: float) -> np.ndarray:
     """Returns poses (M, 7) between those at two times.
@@ -26,6 +29,10 @@ def detection_log_likelihood(
 ) -> np.ndarray:
     """Returns log N(x̄; DOPE(z), σ_DOPE²) up to a constant, (M,).
 
+    A position, or a rotation, that is further off than outliers are supposed
+    to be says nothing more: a detection that no particle agrees with leaves
+    the weights alone. That is not in the paper.
+
     Args:
         poses: (M, 7) particles x̄: qw qx qy qz, x y z (in meters).
         detection: (7,), the pose that the detector reports.
@@ -33,7 +40,11 @@ def detection_log_likelihood(
     """
     distance = np.linalg.norm(poses[:, 4:] - detection[4:], axis=-1)
     angle = quaternions.angle_between(poses[:, :4], detection[:4])
-    return -0.5 * (
-        np.square(distance / stddev.position)
-        + np.square(angle / stddev.rotation)
+    return _log_gaussian(distance / stddev.position) + _log_gaussian(
+        angle / stddev.rotation
     )
+
+
+def _log_gaussian(deviations: np.ndarray) -> np.ndarray:
+    """Returns the log of a Gaussian's share and of that of outliers."""
+    return np.logaddexp(-0.5 * deviations**2, -0.5 * _OUTLIER**2)

@@ -162,8 +162,10 @@ class ParticleFilterConfig:
     # A particle that is simulated to move faster than this is a failed one
     # (in m/s): nothing that is pushed or tilted does.
     max_speed: float = 2.0
-    # The step of the physics (in seconds).
-    time_step: float = 0.008
+    # The longest step of the physics (in seconds) ...
+    time_step: float = 0.016
+    # ... and how far things may move within one (in meters).
+    max_travel: float = 0.001
     # All randomness is a pure function of this and of the step.
     seed: int = 0
     # Threads that simulate particles; results do not depend on it.
@@ -174,7 +176,13 @@ class ParticleFilterConfig:
         for part in ("num_particles", "control_samples", "num_rays"):
             value = getattr(self, part)
             _require(value >= 1, part, value, "at least 1")
-        for part in ("period", "max_detection_age", "max_speed", "time_step"):
+        for part in (
+            "period",
+            "max_detection_age",
+            "max_speed",
+            "time_step",
+            "max_travel",
+        ):
             value = getattr(self, part)
             _require(
                 math.isfinite(value) and value > 0, part, value, "more than 0"

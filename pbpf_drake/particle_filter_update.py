@@ -93,7 +93,11 @@ class ParticleFilterUpdate:
         state = self._Compare(state, predicted, detections)
         drawn, started = self._Start(state, predicted, detections, step)
         resolved = self._motion_model.ResolvePenetration(
-            drawn, path.positions[-1], known, scratch[0]
+            drawn,
+            np.where(started[..., None], 0.0, motion.supports),
+            path.positions[-1],
+            known,
+            scratch[0],
         )
         before = np.where(started[..., None], resolved, state.poses)
         # What is drawn anew doesn't depend on the prediction.

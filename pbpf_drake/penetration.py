@@ -2,59 +2,102 @@
 
 Noise puts particles into the table and into the hand. A physics engine would
 shoot them out. Here they are pushed out instead, along the normal of the
-deepest penetration, until nothing is deep.
+deepest penetration, until nothing is deep. What stands on something is not
+lifted by the robot, but slid.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
-from pydrake.geometry import PenetrationAsPointPair, QueryObject
+from pydrake.geometry import PenetrationAsPointPair
 from pydrake.systems.framework import Context
 
-from pbpf_drake.prediction_model import PredictionModel
+from pbpf_drake.contact_model import ContactModel
+from pbpf_drake.contact_points import REST_DEPTH
 
-# What may remain (in meters): an object at rest is this deep or less.
-_TOLERANCE = 1e-4
+# What is left of a penetration (in meters). Of one by what may carry an object
+# it is that of an object at rest, or it would fall.
+_TOUCH = 8e-5
+# What is deeper than this times as much is pushed out.
+_TOLERANCE = 1.25
 # Each push makes some way for one contact; a box between hand, table and
 # another box needs a few.
 _MAX_PUSHES = 10
+# An object is slid along its support where that is at most twice as far as
+# along the normal.
+_MIN_SLIDE = 0.5
 
 
 def push_out(
-    model: PredictionModel, context: Context, q: np.ndarray
+    model: ContactModel, context: Context, q: np.ndarray, supports: np.ndarray
 ) -> np.ndarray:
-    """Returns q with the objects moved out of robot, models and each other.
+    """Returns q with the objects moved out of links, models and each other.
 
     Of two objects that penetrate, each goes half the way. Rotations are kept.
 
     Args:
-        model: the prediction model.
+        model: the contact model.
         context: a root context of its diagram, overwritten.
-        q: (nq,) positions of its plant; the robot's are kept.
+        q: (nq,) positions of its plant; the links' are kept.
+        supports: (K, 3) normals of what the objects stand on, or zeros.
     """
-    plant = model.diagram.plant()
-    plant_context = plant.GetMyMutableContextFromRoot(context)
-    query_port = model.diagram.scene_graph().get_query_output_port()
-    query_context = model.diagram.scene_graph().GetMyContextFromRoot(context)
     q = q.copy()
     for _ in range(_MAX_PUSHES):
-        plant.SetPositions(plant_context, q)
-        query: QueryObject = query_port.Eval(query_context)
-        pairs = query.ComputePointPairPenetration()
-        if not pairs:
+        deepest = _deepest(model, _penetrations(model, context, q))
+        if deepest is None:
             break
-        deepest = max(pairs, key=lambda pair: pair.depth)
-        if deepest.depth <= _TOLERANCE:
-            break
-        _push(model, q, deepest)
+        _push(model, q, *deepest, supports)
     return q
 
 
+def _penetrations(
+    model: ContactModel, context: Context, q: np.ndarray
+) -> list[PenetrationAsPointPair]:
+    plant, scene_graph = model.diagram.plant(), model.diagram.scene_graph()
+    plant.SetPositions(plant.GetMyMutableContextFromRoot(context), q)
+    query = scene_graph.get_query_output_port().Eval(
+        scene_graph.GetMyContextFromRoot(context)
+    )
+    return query.ComputePointPairPenetration()
+
+
+def _deepest(
+    model: ContactModel, pairs: Sequence[PenetrationAsPointPair]
+) -> tuple[PenetrationAsPointPair, float] | None:
+    """Returns what is the most too deep, and how far it has to be pushed."""
+    deepest, most = None, 0.0
+    for pair in pairs:
+        depth = pair.depth
+        left = _TOUCH
+        if depth <= _TOLERANCE * left + most:
+            continue
+        if pair.id_A not in model.link_geometries and (
+            pair.id_B not in model.link_geometries
+        ):
+            left = max(_TOUCH, REST_DEPTH * abs(pair.nhat_BA_W[2]))
+        if depth - _TOLERANCE * left > most:
+            deepest, most = (pair, depth - left), depth - _TOLERANCE * left
+    return deepest
+
+
 def _push(
-    model: PredictionModel, q: np.ndarray, pair: PenetrationAsPointPair
+    model: ContactModel,
+    q: np.ndarray,
+    pair: PenetrationAsPointPair,
+    distance: float,
+    supports: np.ndarray,
 ) -> None:
-    a, b = model.owner(pair.id_A), model.owner(pair.id_B)
+    a, b = model.owners.get(pair.id_A), model.owners.get(pair.id_B)
+    fixed = {pair.id_A, pair.id_B} & model.fixed_geometries
     share = 1.0 if a is None or b is None else 0.5
-    push = share * pair.depth * pair.nhat_BA_W
-    if a is not None:
-        q[model.object_q[a, 4:]] += push
-    if b is not None:
-        q[model.object_q[b, 4:]] -= push
+    for k, normal in ((a, pair.nhat_BA_W), (b, -pair.nhat_BA_W)):
+        if k is not None:
+            along = normal if fixed else _slide(normal, supports[k])
+            q[model.object_q[k, 4:]] += share * distance * along
+
+
+def _slide(normal: np.ndarray, support: np.ndarray) -> np.ndarray:
+    """Returns the way along a support that goes 1 along a normal."""
+    along = normal - (normal @ support) * support
+    share = along @ along
+    return along / share if share >= _MIN_SLIDE else normal

@@ -3,11 +3,16 @@
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.geometry import ProximityProperties, RoleAssign, SceneGraph
-from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
-from pydrake.multibody.tree import BodyIndex
+from pydrake.geometry import (
+    AddContactMaterial,
+    ProximityProperties,
+    RoleAssign,
+)
+from pydrake.multibody.plant import CoulombFriction
 from pydrake.systems.framework import Context
 
+from pbpf_drake.contact_model import ContactModel
+from pbpf_drake.contact_points import POINT_STIFFNESS, SHAPE_STIFFNESS
 from pbpf_drake.particle_filter_config import (
     PhysicalParametersConfig,
     TruncatedGaussian,
@@ -53,50 +58,49 @@ def SamplePhysicalParameters(
 
 def SetPhysicalParameters(
     *,
-    plant: MultibodyPlant,
-    plant_context: Context,
-    scene_graph: SceneGraph,
-    scene_graph_context: Context,
-    body: BodyIndex,
+    model: ContactModel,
+    context: Context,
+    k: int,
     friction: float,
     mass: float,
     dissipation: float,
 ) -> None:
-    """Writes one object's θ into the contexts of a prediction model.
+    """Writes one object's θ into a context of a contact model.
 
     Drake combines the coefficients of two surfaces as 2μ₁μ₂/(μ₁+μ₂). In the
-    prediction model everything but the tracked objects has an unlimited
+    contact model everything but the tracked objects has an unlimited
     coefficient, so half of ``friction`` on the object is ``friction`` at the
     contact.
 
+    The stiffness of the contacts is in proportion to the mass, so that a light
+    object sinks as deep as a heavy one, and is as easy to simulate.
+
     Args:
-        plant: the prediction model's plant.
-        plant_context: its context, changed.
-        scene_graph: the prediction model's scene graph.
-        scene_graph_context: its context, changed.
-        body: the object.
+        model: the contact model.
+        context: a root context of its diagram, changed.
+        k: which of its objects.
         friction: coefficient of its contacts.
         mass: in kilograms; the rotational inertia scales with it.
         dissipation: Hunt-Crossley dissipation (in s/m).
     """
-    plant.get_body(body).SetMass(plant_context, mass)
-    inspector = scene_graph.model_inspector()
-    source = plant.get_source_id()
-    for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(body)):
-        properties = ProximityProperties(
-            inspector.GetProximityProperties(geometry)
-        )
-        properties.UpdateProperty(
-            "material",
-            "coulomb_friction",
-            CoulombFriction(friction / 2, friction / 2),
-        )
-        properties.UpdateProperty(
-            "material", "hunt_crossley_dissipation", float(dissipation)
+    plant, scene_graph = model.diagram.plant(), model.diagram.scene_graph()
+    body = plant.get_body(model.objects[k])
+    body.SetMass(plant.GetMyMutableContextFromRoot(context), float(mass))
+    for geometry, owner in model.owners.items():
+        if owner != k:
+            continue
+        soft = geometry in model.points
+        properties = ProximityProperties()
+        AddContactMaterial(
+            dissipation=float(dissipation),
+            point_stiffness=float(mass)
+            * (POINT_STIFFNESS if soft else SHAPE_STIFFNESS),
+            friction=CoulombFriction(friction / 2, friction / 2),
+            properties=properties,
         )
         scene_graph.AssignRole(
-            scene_graph_context,
-            source,
+            scene_graph.GetMyMutableContextFromRoot(context),
+            plant.get_source_id(),
             geometry,
             properties,
             RoleAssign.kReplace,

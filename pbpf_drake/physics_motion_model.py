@@ -1,15 +1,23 @@
 """The physics-based motion model of PBPF (Section 4.1).
 
-x̄ = f_θ(x, u): every particle has a context of the prediction model that was
-cloned with a θ of its own; robot and objects are set, and physics runs.
+x̄ = f_θ(x, u): every particle has a context of the contact model that was
+cloned with a θ of its own; links and objects are set, and physics runs.
 """
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context
 
-from pbpf_drake.control_path import ControlPath, simplify_path
+from pbpf_drake import quaternions
+from pbpf_drake.bounding_boxes import MakeBoundingBoxes
+from pbpf_drake.contact_model import ContactModel, MakeContactModel
+from pbpf_drake.link_reach import links_in_reach
 from pbpf_drake.motion_model import MotionInput, MotionResult
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.particle_simulation import choose_time_step, simulate
 from pbpf_drake.penetration import push_out
 from pbpf_drake.physical_parameters import (
     PhysicalParameters,
@@ -17,19 +25,30 @@ from pbpf_drake.physical_parameters import (
     SetPhysicalParameters,
 )
 from pbpf_drake.prediction_model import PredictionModel
-from pbpf_drake.prediction_pool import (
-    MakeSimulator,
-    PredictionPool,
-    ResetIntegrator,
-)
+from pbpf_drake.prediction_pool import Links, PredictionPool
 from pbpf_drake.random_streams import MakeGenerator, Stream
-from pbpf_drake.support import find_supports
+from pbpf_drake.robot_links import LinkMotion, RobotLinks
+from pbpf_drake.support import Contact, find_contacts, find_supports
 
-# Corners of the robot's motion that are cut (in radians or meters).
-_PATH_TOLERANCE = 5e-4
+# A link that stays further away than this from where an object can be is not
+# simulated (in meters).
+_REACH = 0.01
 # Where objects wait that are not tracked yet: out of everybody's way.
 _PARKING_HEIGHT = 1e3
 _PARKING_SPACING = 1e2
+
+
+@dataclass
+class PhysicsScratch:
+    """Work space of the motion model.
+
+    Attributes:
+        kinematics: a context of the prediction model's plant.
+        pool: the simulators.
+    """
+
+    kinematics: Context
+    pool: PredictionPool
 
 
 class PhysicsMotionModel:
@@ -39,6 +58,8 @@ class PhysicsMotionModel:
     draws of θ are written once, when their contexts are made, and each step
     deals them out to the particles anew, by a random permutation: every
     particle gets a fresh θ of the same distribution at every step.
+
+    Of the robot, only the links that come near the objects are simulated.
     """
 
     def __init__(
@@ -46,6 +67,13 @@ class PhysicsMotionModel:
     ) -> None:
         self._model = model
         self._config = config
+        self._links = RobotLinks(model=model)
+        self._objects = MakeBoundingBoxes(
+            model.diagram.scene_graph().model_inspector(),
+            [model.geometries(body) for body in model.models.objects],
+        )
+        self._radii = self._objects.radii(len(model.models.objects))
+        self._contact_models: dict[Links, ContactModel] = {}
         self._parameters = SamplePhysicalParameters(
             config.physics,
             (config.num_particles, len(model.models.objects)),
@@ -67,134 +95,189 @@ class PhysicsMotionModel:
         )
         return rng.permutation(self._config.num_particles)
 
-    def MakeScratch(self) -> PredictionPool:
+    def MakeScratch(self) -> PhysicsScratch:
         """Returns an empty pool; its contexts are made when first used."""
-        return PredictionPool(
-            make=self._MakeSimulator, num_threads=self._config.num_threads
+        return PhysicsScratch(
+            kinematics=self._model.diagram.plant().CreateDefaultContext(),
+            pool=PredictionPool(
+                make=self._MakeSimulator, num_threads=self._config.num_threads
+            ),
         )
 
     def Propagate(
-        self, motion: MotionInput, scratch: PredictionPool
+        self, motion: MotionInput, scratch: PhysicsScratch
     ) -> MotionResult:
         """Returns f_θ(x_{t-1}, u_t); see MotionModel."""
-        poses, velocities = motion.poses.copy(), motion.velocities.copy()
-        supports = np.zeros((*poses.shape[:2], 3))
-        failed = np.zeros(len(poses), dtype=bool)
-        path = simplify_path(motion.path, _PATH_TOLERANCE)
-        start = self._Positions(poses, path.positions[0], motion.active)
-        speeds = np.where(motion.active[:, None], velocities, 0.0)
-        draws = self.assignment(motion.step)
-
-        def simulate(m: int) -> None:
-            simulator = scratch.Simulator(draws[m])
-            try:
-                q, v = self._Simulate(simulator, start[m], speeds[m], path)
-                self._Store(m, q, v, motion.active, poses, velocities, failed)
-                if not failed[m]:
-                    context = simulator.get_context()
-                    supports[m] = find_supports(self._model, context)
-            # The solver gave up on this particle; Drake's own assertions are
-            # of the second type. What it left behind must not be used again.
-            except (RuntimeError, SystemExit):
-                failed[m] = True
-                scratch.Discard(draws[m])
-
-        scratch.Run(simulate, range(len(poses)))
-        return MotionResult(poses, velocities, supports, failed)
+        links = self._links.Motion(motion.path, scratch.kinematics)
+        speeds = self._Speeds(motion)
+        margin = _REACH + links.travel + speeds * links.times[-1]
+        outcome = _Outcome(motion)
+        for chosen, members in self._Groups(
+            motion.poses, motion.active, links.poses, margin
+        ):
+            scratch.pool.Run(
+                self._Simulation(
+                    motion, links.of(chosen), speeds, chosen, scratch, outcome
+                ),
+                members,
+            )
+        return outcome.Result(motion, self._config.max_speed)
 
     def ResolvePenetration(
         self,
         poses: np.ndarray,
+        supports: np.ndarray,
         robot_positions: np.ndarray,
         active: np.ndarray,
-        scratch: PredictionPool,
+        scratch: PhysicsScratch,
     ) -> np.ndarray:
         """Pushes the objects out of what they penetrate; see MotionModel."""
-        context = scratch.Simulator(0).get_mutable_context()
-        poses = poses.copy()
-        for m, q in enumerate(self._Positions(poses, robot_positions, active)):
-            free = push_out(self._model, context, q)[self._model.object_q]
-            poses[m, active] = free[active]
-        return poses
+        link_poses = self._links.Poses(robot_positions, scratch.kinematics)
+        margin = np.full(len(poses), _REACH)
+        resolved = poses.copy()
+        for chosen, members in self._Groups(
+            poses, active, link_poses[None], margin
+        ):
+            model = self._ContactModel(chosen)
+            simulator = scratch.pool.Simulators(chosen).Get(0)
+            context = simulator.get_mutable_context()
+            q = np.zeros(model.diagram.plant().num_positions())
+            q[model.link_q] = link_poses[list(chosen)]
+            parked = self._Park(poses, active)
+            for m in members:
+                q[model.object_q] = parked[m]
+                free = push_out(model, context, q, supports[m])[model.object_q]
+                resolved[m, active] = free[active]
+        return resolved
 
-    def _MakeSimulator(self, index: int) -> Simulator:
-        simulator = MakeSimulator(self._model, self._config.time_step)
-        context = simulator.get_mutable_context()
-        plant = self._model.diagram.plant()
-        scene_graph = self._model.diagram.scene_graph()
-        for k, body in enumerate(self._model.models.objects):
+    def _Groups(
+        self,
+        poses: np.ndarray,
+        active: np.ndarray,
+        link_poses: np.ndarray,
+        margin: np.ndarray,
+    ) -> Iterator[tuple[Links, list[int]]]:
+        """Yields links and the particles that they come near, then the rest.
+
+        All that are near any link get the same links: each set of links costs
+        M contexts.
+        """
+        near = links_in_reach(
+            objects=self._objects,
+            poses=poses,
+            active=active,
+            links=self._links.boxes,
+            link_poses=link_poses,
+            margin=margin,
+        )
+        chosen = tuple(int(j) for j in np.flatnonzero(near.any(axis=0)))
+        reached = near.any(axis=1)
+        for links, members in ((chosen, reached), ((), ~reached)):
+            if members.any():
+                yield links, [int(m) for m in np.flatnonzero(members)]
+
+    def _Speeds(self, motion: MotionInput) -> np.ndarray:
+        """Returns the highest speed of any corner of a particle, (M,)."""
+        velocities = motion.velocities[:, motion.active]
+        spin = np.linalg.norm(velocities[..., :3], axis=-1)
+        speed = np.linalg.norm(velocities[..., 3:], axis=-1)
+        corners = speed + spin * self._radii[motion.active]
+        return corners.max(axis=1, initial=0.0)
+
+    def _Simulation(
+        self,
+        motion: MotionInput,
+        links: LinkMotion,
+        speeds: np.ndarray,
+        chosen: Links,
+        scratch: PhysicsScratch,
+        outcome: "_Outcome",
+    ) -> Callable[[int], None]:
+        """Returns what simulates a particle, and writes to the outcome."""
+        model = self._ContactModel(chosen)
+        simulators = scratch.pool.Simulators(chosen)
+        draws, active = self.assignment(motion.step), motion.active
+        poses = self._Park(motion.poses, active)
+        velocities = np.where(active[:, None], motion.velocities, 0.0)
+        steps = choose_time_step(
+            np.maximum(speeds, links.speed),
+            max_travel=self._config.max_travel,
+            max_step=self._config.time_step,
+        )
+
+        def simulate_one(m: int) -> None:
+            simulator = simulators.Get(draws[m])
+            try:
+                outcome.poses[m], outcome.velocities[m] = simulate(
+                    model,
+                    simulator,
+                    poses=poses[m],
+                    velocities=velocities[m],
+                    links=links,
+                    time_step=float(steps[m]),
+                )
+                outcome.contacts[m] = find_contacts(
+                    model, simulator.get_context()
+                )
+            # The solver gave up on this particle; Drake's own assertions are
+            # of the second type. What it left behind must not be used again.
+            except (RuntimeError, SystemExit):
+                simulators.Discard(draws[m])
+
+        return simulate_one
+
+    def _ContactModel(self, links: Links) -> ContactModel:
+        if links not in self._contact_models:
+            self._contact_models[links] = MakeContactModel(self._model, links)
+        return self._contact_models[links]
+
+    def _MakeSimulator(self, links: Links, index: int) -> Simulator:
+        model = self._ContactModel(links)
+        context = model.diagram.CreateDefaultContext()
+        for k in range(len(model.objects)):
             SetPhysicalParameters(
-                plant=plant,
-                plant_context=plant.GetMyMutableContextFromRoot(context),
-                scene_graph=scene_graph,
-                scene_graph_context=scene_graph.GetMyMutableContextFromRoot(
-                    context
-                ),
-                body=body,
+                model=model,
+                context=context,
+                k=k,
                 friction=self._parameters.friction[index, k],
                 mass=self._parameters.mass[index, k],
                 dissipation=self._parameters.dissipation[index, k],
             )
-        return simulator
+        return Simulator(model.diagram, context)
 
-    def _Positions(
-        self, poses: np.ndarray, robot: np.ndarray, active: np.ndarray
-    ) -> np.ndarray:
-        """Returns (M, nq), with objects that aren't tracked yet parked."""
-        model = self._model
-        q = np.zeros((len(poses), model.diagram.plant().num_positions()))
-        q[:, model.robot_q] = robot
-        q[:, model.object_q] = poses
+    def _Park(self, poses: np.ndarray, active: np.ndarray) -> np.ndarray:
+        """Returns (M, K, 7), with objects that aren't tracked yet away."""
+        poses = poses.copy()
         for k in np.flatnonzero(~active):
-            parked = [1, 0, 0, 0, k * _PARKING_SPACING, 0, _PARKING_HEIGHT]
-            q[:, model.object_q[k]] = parked
-        return q
+            poses[:, k] = [1, 0, 0, 0, k * _PARKING_SPACING, 0, _PARKING_HEIGHT]
+        return poses
 
-    def _Simulate(
-        self,
-        simulator: Simulator,
-        q: np.ndarray,
-        velocities: np.ndarray,
-        path: ControlPath,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Returns q and v at the end of the path, from q and (K, 6)."""
-        model, nq = self._model, len(q)
-        x = np.zeros(nq + model.diagram.plant().num_velocities())
-        x[:nq] = q
-        x[nq + model.object_v] = velocities
-        context = simulator.get_mutable_context()
-        context.SetContinuousState(x)
-        times = path.times - path.times[0]
-        speeds = np.diff(path.positions, axis=0) / np.diff(times)[:, None]
-        context.SetTime(0.0)
-        for s, speed in enumerate(speeds):
-            x[model.robot_q] = path.positions[s]
-            x[nq + model.robot_v] = speed
-            context.SetContinuousState(x)
-            if s == 0:
-                ResetIntegrator(simulator, self._config.time_step)
-                simulator.Initialize()
-            simulator.AdvanceTo(times[s + 1], interruptible=False)
-            x = context.get_continuous_state_vector().CopyToVector()
-        return x[:nq], x[nq:]
 
-    def _Store(
-        self,
-        m: int,
-        q: np.ndarray,
-        v: np.ndarray,
-        active: np.ndarray,
-        poses: np.ndarray,
-        velocities: np.ndarray,
-        failed: np.ndarray,
-    ) -> None:
-        """Writes a simulated particle into the arrays, unless it failed."""
-        pose, velocity = q[self._model.object_q], v[self._model.object_v]
-        finite = np.all(np.isfinite(pose)) and np.all(np.isfinite(velocity))
-        speed = np.linalg.norm(velocity[:, 3:], axis=1)
-        if not finite or np.any(speed[active] > self._config.max_speed):
-            failed[m] = True
-            return
-        pose[:, :4] /= np.linalg.norm(pose[:, :4], axis=1, keepdims=True)
-        poses[m, active] = pose[active]
-        velocities[m, active] = velocity[active]
+class _Outcome:
+    """What became of the particles; NaN where the simulation failed."""
+
+    def __init__(self, motion: MotionInput) -> None:
+        self.poses = np.full_like(motion.poses, np.nan)
+        self.velocities = np.full_like(motion.velocities, np.nan)
+        self.contacts: list[list[Contact]] = [[] for _ in motion.poses]
+
+    def Result(self, motion: MotionInput, max_speed: float) -> MotionResult:
+        """Returns the result, in which what failed has its old pose."""
+        active = motion.active[:, None]
+        speed = np.linalg.norm(self.velocities[..., 3:], axis=-1)
+        finite = np.isfinite(self.poses).all(axis=-1)
+        finite &= np.isfinite(self.velocities).all(axis=-1)
+        failed = ~finite.all(axis=1)
+        failed |= (speed > max_speed)[:, motion.active].any(axis=1)
+        keep = failed[:, None, None] | ~active
+        poses = np.where(keep, motion.poses, self.poses)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            q = quaternions.normalize(self.poses[..., :4])
+        poses[..., :4] = np.where(keep, motion.poses[..., :4], q)
+        supports = find_supports(self.contacts, motion.poses.shape[1])
+        return MotionResult(
+            poses=poses,
+            velocities=np.where(keep, motion.velocities, self.velocities),
+            supports=np.where(failed[:, None, None], 0.0, supports),
+            failed=failed,
+        )

@@ -13,37 +13,41 @@ from pydrake.systems.analysis import (
     SimulatorConfig,
 )
 
-from pbpf_drake.prediction_model import PredictionModel
+# Which links of the robot a simulator has.
+Links = tuple[int, ...]
+# Simulators are kept for this many sets of links.
+_MAX_LINKS = 4
 
 
 class PredictionPool:
     """Holds a simulator for each particle; made at first use.
 
     Args:
-        make: makes the simulator of a particle, by its index.
+        make: makes a simulator, of some links and of a particle's index.
         num_threads: how many threads run them.
     """
 
     def __init__(
-        self, *, make: Callable[[int], Simulator], num_threads: int
+        self, *, make: Callable[[Links, int], Simulator], num_threads: int
     ) -> None:
         self._make = make
         self._num_threads = num_threads
-        self._simulators: dict[int, Simulator] = {}
+        self._simulators: dict[Links, dict[int, Simulator]] = {}
         self._executor: ThreadPoolExecutor | None = None
 
     def __deepcopy__(self, memo: dict) -> "PredictionPool":
         return PredictionPool(make=self._make, num_threads=self._num_threads)
 
-    def Simulator(self, index: int) -> Simulator:
-        """Returns the simulator of a particle."""
-        if index not in self._simulators:
-            self._simulators[index] = self._make(index)
-        return self._simulators[index]
+    def Simulators(self, links: Links) -> "Simulators":
+        """Returns the simulators with these links.
 
-    def Discard(self, index: int) -> None:
-        """Makes the particle's next simulator a new one."""
-        self._simulators.pop(index, None)
+        Those that were not asked for the longest may be given up.
+        """
+        kept = self._simulators.pop(links, {})
+        self._simulators[links] = kept
+        while len(self._simulators) > _MAX_LINKS:
+            self._simulators.pop(next(iter(self._simulators)))
+        return Simulators(lambda index: self._make(links, index), kept)
 
     def Run(self, work: Callable[[int], None], indices: Sequence[int]) -> None:
         """Calls ``work`` for every index, spread over the threads."""
@@ -53,35 +57,55 @@ class PredictionPool:
             return
         if self._executor is None:
             self._executor = ThreadPoolExecutor(self._num_threads)
-        for _ in self._executor.map(work, indices):
-            pass
+        rest = iter(indices)  # Whoever is done takes the next.
+
+        def run() -> None:
+            for index in rest:
+                work(index)
+
+        runs = [self._executor.submit(run) for _ in range(self._num_threads)]
+        for future in runs:
+            future.result()
 
 
-def MakeSimulator(model: PredictionModel, time_step: float) -> Simulator:
-    """Returns a simulator with a context of its own.
-
-    It takes fixed steps with the convex solver of Drake's CENIC integrator.
-    Error control costs three times as much per step, and misses contacts
-    that begin within a long one.
+class Simulators:
+    """The simulators of all particles, with the same links.
 
     Args:
-        model: the prediction model, shared.
-        time_step: of the integrator (in seconds).
+        make: makes the simulator of a particle, by its index.
+        kept: those that were made before; extended.
     """
-    simulator = Simulator(model.diagram, model.diagram.CreateDefaultContext())
-    ResetIntegrator(simulator, time_step)
-    return simulator
+
+    def __init__(
+        self, make: Callable[[int], Simulator], kept: dict[int, Simulator]
+    ) -> None:
+        self._make = make
+        self._kept = kept
+
+    def Get(self, index: int) -> Simulator:
+        """Returns the simulator of a particle."""
+        if index not in self._kept:
+            self._kept[index] = self._make(index)
+        return self._kept[index]
+
+    def Discard(self, index: int) -> None:
+        """Makes the particle's next simulator a new one."""
+        self._kept.pop(index, None)
 
 
 def ResetIntegrator(simulator: Simulator, time_step: float) -> None:
     """Gives a simulator an integrator that remembers nothing.
+
+    It takes fixed steps with the convex solver of Drake's CENIC integrator.
+    Error control costs three times as much per step, and misses contacts
+    that begin within a long one.
 
     CENIC takes a step that starts at the same time as its last one for a
     second attempt at that step, and reuses the state of then, even if the
     simulator was initialized in between.
 
     Args:
-        simulator: from MakeSimulator.
+        simulator: of a contact model.
         time_step: of the integrator (in seconds).
     """
     ApplySimulatorConfig(

@@ -66,3 +66,14 @@ def rotate(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     q, v = np.asarray(q), np.asarray(v)
     t = 2 * np.cross(q[..., 1:], v)
     return v + q[..., :1] * t + np.cross(q[..., 1:], t)
+
+
+def to_matrix(q: np.ndarray) -> np.ndarray:
+    """Returns the rotation matrices of unit quaternions, (..., 3, 3)."""
+    w, x, y, z = np.moveaxis(np.asarray(q), -1, 0)
+    entries = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in entries], axis=-2)

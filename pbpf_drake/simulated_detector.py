@@ -1,7 +1,8 @@
 """A detector whose errors are its own and that true occlusion blinds.
 
-What is visible comes from rendered label images, not from the ray caster of
-the filter's visibility model.
+Under partial occlusion, good detections and outliers come mixed. What is
+visible comes from rendered label images, not from the ray caster of the
+filter's visibility model.
 """
 
 from collections.abc import Sequence
@@ -25,6 +26,7 @@ from pydrake.systems.framework import Context
 from pydrake.systems.sensors import CameraInfo
 
 from pbpf_drake import quaternions
+from pbpf_drake.detection_outliers import draw_outlier_error
 from pbpf_drake.log import DetectionRecord
 from pbpf_drake.particle_filter_config import PoseStddev
 from pbpf_drake.recording_config import DetectorConfig
@@ -51,10 +53,15 @@ def visible_share(labels: np.ndarray, alone: np.ndarray, label: int) -> float:
     return np.count_nonzero(labels == label) / total if total else 0.0
 
 
-def detection_probability(visibility: float, config: DetectorConfig) -> float:
-    """Returns the chance of a detection, from 0 (hidden) to 1 (clear)."""
+def clearness(visibility: float, config: DetectorConfig) -> float:
+    """Returns 0 where nothing is detected, 1 in a clear view."""
     low, high = config.hidden_visibility, config.clear_visibility
     return float(np.clip((visibility - low) / (high - low), 0.0, 1.0))
+
+
+def detection_probability(visibility: float, config: DetectorConfig) -> float:
+    """Returns the chance of a detection, from 0 (hidden) to 1 (half-way)."""
+    return min(1.0, 2 * clearness(visibility, config))
 
 
 def draw_pose_error(stddev: PoseStddev, rng: np.random.Generator) -> np.ndarray:
@@ -78,7 +85,8 @@ def add_pose_error(X_CO: RigidTransform, error: np.ndarray) -> RigidTransform:
 
     Args:
         X_CO: a pose.
-        error: (6,) as from ``draw_pose_error``.
+        error: (6,) a rotation vector (in radians), then a translation (in
+            meters), as from ``draw_pose_error``.
     """
     q = quaternions.from_rotation_vector(error[:3])
     R = RotationMatrix(Quaternion(wxyz=q)) @ X_CO.rotation()
@@ -227,21 +235,25 @@ class SimulatedDetector:
             poses: K true poses X_WO.
             visibility: (K,) visible shares in [0, 1].
         """
+        config, rng = self._config, self._rng
         detections = []
         for name, bias, X_WO, share in zip(
             self._names, self._biases, poses, visibility, strict=True
         ):
-            noise = draw_pose_error(self._config.noise, self._rng)
-            chance = detection_probability(share, self._config)
-            if self._rng.uniform() >= chance:
+            noise = draw_pose_error(config.noise, rng)
+            occlusion = 1 - clearness(share, config)
+            outlier = draw_outlier_error(occlusion, config, rng)
+            if rng.uniform() >= detection_probability(share, config):
                 continue
-            X_CO = add_pose_error(self._X_CW @ X_WO, bias)
+            X_CO = self._X_CW @ X_WO
+            for error in (bias, noise, outlier):
+                X_CO = add_pose_error(X_CO, error)
             detections.append(
                 DetectionRecord(
                     name=name,
                     time=time,
-                    received=time + self._config.latency,
-                    X_CO=add_pose_error(X_CO, noise),
+                    received=time + config.latency,
+                    X_CO=X_CO,
                 )
             )
         return detections

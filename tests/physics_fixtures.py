@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 from pydrake.common.yaml import yaml_load_typed
+from pydrake.systems.analysis import Simulator
 
 from pbpf_drake import quaternions
+from pbpf_drake.contact_model import MakeContactModel
 from pbpf_drake.control_path import ControlPath
 from pbpf_drake.motion_model import MotionInput, MotionResult
 from pbpf_drake.particle_filter_config import (
@@ -14,11 +16,14 @@ from pbpf_drake.particle_filter_config import (
     PhysicalParametersConfig,
     TruncatedGaussian,
 )
-from pbpf_drake.physical_parameters import SetPhysicalParameters
+from pbpf_drake.physical_parameters import (
+    SetPhysicalParameters,
+)
 from pbpf_drake.physics_motion_model import PhysicsMotionModel
 from pbpf_drake.pose_noise import add_process_noise
 from pbpf_drake.prediction_model import MakePredictionModel, PredictionModel
-from pbpf_drake.prediction_pool import MakeSimulator, ResetIntegrator
+from pbpf_drake.prediction_pool import ResetIntegrator
+from pbpf_drake.robot_links import RobotLinks
 from pbpf_drake.scene import Scene
 
 GRAVITY = 9.81
@@ -27,8 +32,6 @@ FLAT = np.array([1.0, 0.0, 0.0, 0.0])
 CAN_UPRIGHT = quaternions.from_rotation_vector(np.array([np.pi / 2, 0, 0]))
 # How high their centres are when they rest on the table.
 HEIGHTS = {"cracker": 0.0305, "gelatin": 0.01395, "soup": 0.05, "block": 0.0065}
-# Of a contact (in N/m).
-STIFFNESS = 3e4
 PROBE_RADIUS = 0.004745
 # The probe touches a block at the origin.
 TOUCHING = np.array([-0.045 - PROBE_RADIUS, 0.0])
@@ -47,18 +50,24 @@ directives:
 
 
 def make_scene(
-    tracked: Mapping[str, str], *, fixed: str = "", folder: str = ""
+    tracked: Mapping[str, str],
+    *,
+    fixed: str = "",
+    last: str = "",
+    folder: str = "",
 ) -> Scene:
     """Returns a table, the planar pusher's probe, and tracked objects.
 
     Args:
         tracked: the model files by the names of the objects.
         fixed: more directives.
+        last: directives after the objects'.
         folder: what package://scene stands for.
     """
     text = _WORLD + fixed
     for name, file in tracked.items():
         text += f"- add_model: {{name: {name}, file: '{file}'}}\n"
+    text += last
     names = ", ".join(f"{name}: {{}}" for name in tracked)
     text += f"robot: pusher\ntracked: {{{names}}}\n"
     scene = yaml_load_typed(schema=Scene, data=text)
@@ -77,7 +86,7 @@ def make_model(*names: str, fixed: str = "") -> PredictionModel:
 
 
 class Simulation:
-    """A context of a prediction model, with the probe out of the way.
+    """A context of a contact model with all links, the probe out of the way.
 
     Args:
         model: the prediction model.
@@ -89,30 +98,27 @@ class Simulation:
         self, model: PredictionModel, *, time_step: float = 0.01, **parameters
     ) -> None:
         self.model = model
+        self.contact = MakeContactModel(model, range(len(model.links)))
         self._time_step = time_step
-        self.simulator = MakeSimulator(model, time_step)
+        self.simulator = Simulator(self.contact.diagram)
         self.context = self.simulator.get_mutable_context()
-        self.plant = model.diagram.plant()
+        self.plant = self.contact.diagram.plant()
         self.plant_context = self.plant.GetMyMutableContextFromRoot(
             self.context
         )
-        for body in model.models.objects:
-            self.set_parameters(body, **parameters)
+        self._kinematics = model.diagram.plant().CreateDefaultContext()
+        for k in range(len(model.models.objects)):
+            self.set_parameters(k, **parameters)
         if len(model.robot_q) == 2:
             self.set_robot(AWAY, [0.0, 0.0])
 
     def set_parameters(
-        self, body, *, friction=0.3, mass=0.4, dissipation=100.0
+        self, k, *, friction=0.3, mass=0.4, dissipation=100.0
     ) -> None:
-        scene_graph = self.model.diagram.scene_graph()
         SetPhysicalParameters(
-            plant=self.plant,
-            plant_context=self.plant_context,
-            scene_graph=scene_graph,
-            scene_graph_context=scene_graph.GetMyMutableContextFromRoot(
-                self.context
-            ),
-            body=body,
+            model=self.contact,
+            context=self.context,
+            k=k,
             friction=friction,
             mass=mass,
             dissipation=dissipation,
@@ -124,18 +130,21 @@ class Simulation:
         getattr(self.plant, f"Set{kind}")(self.plant_context, x)
 
     def set_robot(self, q, v) -> None:
-        self._set("Positions", self.model.robot_q, q)
-        self._set("Velocities", self.model.robot_v, v)
+        """Puts the links where the joints are, moving as the joints do."""
+        path = straight_path(np.array(q), v, samples=2)
+        links = RobotLinks(model=self.model).Motion(path, self._kinematics)
+        self._set("Positions", self.contact.link_q, links.poses[0])
+        self._set("Velocities", self.contact.link_v, links.velocities[0])
 
     def set_pose(self, q_WO, p_WO, k: int = 0) -> None:
-        self._set("Positions", self.model.object_q[k], [*q_WO, *p_WO])
+        self._set("Positions", self.contact.object_q[k], [*q_WO, *p_WO])
 
     def set_velocity(self, velocity, k: int = 0) -> None:
-        self._set("Velocities", self.model.object_v[k], velocity)
+        self._set("Velocities", self.contact.object_v[k], velocity)
 
     def settle(self, q_WO, p_WO, duration: float = 0.3, k: int = 0) -> None:
-        """Sets an object down: a little into what it stands on, to rest."""
-        self.set_pose(q_WO, np.array(p_WO) - [0.0, 0.0, 2e-5], k)
+        """Sets an object down, to rest."""
+        self.set_pose(q_WO, p_WO, k)
         self.advance(duration)
 
     def advance(self, duration: float) -> None:
@@ -144,16 +153,17 @@ class Simulation:
         self.simulator.Initialize()
         self.simulator.AdvanceTo(duration, interruptible=False)
 
-    def robot(self) -> np.ndarray:
-        return self.plant.GetPositions(self.plant_context)[self.model.robot_q]
+    def links(self) -> np.ndarray:
+        q = self.plant.GetPositions(self.plant_context)
+        return q[self.contact.link_q]
 
     def pose(self, k: int = 0) -> np.ndarray:
         q = self.plant.GetPositions(self.plant_context)
-        return q[self.model.object_q[k]]
+        return q[self.contact.object_q[k]]
 
     def velocity(self, k: int = 0) -> np.ndarray:
         v = self.plant.GetVelocities(self.plant_context)
-        return v[self.model.object_v[k]]
+        return v[self.contact.object_v[k]]
 
 
 def straight_path(start, velocity, *, duration=0.16, samples=9) -> ControlPath:
@@ -187,12 +197,9 @@ def exactly(**values: float) -> PhysicalParametersConfig:
     return config
 
 
-def blocks_on_table(
-    num_particles: int, mass: np.ndarray | float = 0.4
-) -> np.ndarray:
-    """Blocks as deep in the table as they are at rest, (M, 1, 7)."""
+def blocks_on_table(num_particles: int) -> np.ndarray:
+    """Blocks at rest on the table, (M, 1, 7)."""
     poses = np.tile([*FLAT, 0.0, 0.0, HEIGHTS["block"]], (num_particles, 1, 1))
-    poses[:, 0, 6] -= mass * GRAVITY / (4 * STIFFNESS)
     return poses
 
 
@@ -278,5 +285,9 @@ class Cloud:
             self.poses, self.config.process_noise, self._rng, supports
         )
         self.poses = self.motion_model.ResolvePenetration(
-            noisy, robot, np.ones(noisy.shape[1], dtype=bool), self.scratch
+            noisy,
+            supports,
+            robot,
+            np.ones(noisy.shape[1], dtype=bool),
+            self.scratch,
         )

@@ -10,9 +10,9 @@ from pydrake.geometry import (
 )
 import pytest
 
-from pbpf_drake.contact_points import MakeContactPoints, MakeCore
+from pbpf_drake.contact_points import REST_DEPTH, MakeContactPoints, MakeCore
 
-INSET = 5e-4
+INSET = 1e-3
 
 
 def _reach(points, direction) -> float:
@@ -37,25 +37,23 @@ def _write_hull(folder, vertices: np.ndarray) -> str:
     return str(file)
 
 
-def test_a_box_has_a_point_in_each_corner_that_touches_its_three_faces():
+def test_a_box_has_a_sphere_around_each_corner():
     half = np.array([0.08, 0.1, 0.03])
     points = MakeContactPoints(Box(*(2 * half)))
     corners = np.sign(points.p_GS)
     assert len({tuple(c) for c in corners}) == len(points.p_GS) == 8
-    np.testing.assert_allclose(
-        points.p_GS + points.radius * corners, half * corners, atol=1e-15
-    )
+    np.testing.assert_allclose(points.p_GS, half * corners)
+    assert points.radius == REST_DEPTH
 
 
-def test_a_cylinder_has_points_that_touch_its_ends_and_its_side():
+def test_a_cylinder_has_spheres_around_both_rims():
     radius, length = 0.034, 0.1
     points = MakeContactPoints(Cylinder(radius, length))
     p = points.p_GS
     assert len(p) == 16
-    np.testing.assert_allclose(
-        np.hypot(p[:, 0], p[:, 1]) + points.radius, radius
-    )
-    np.testing.assert_allclose(np.abs(p[:, 2]) + points.radius, length / 2)
+    np.testing.assert_allclose(np.hypot(p[:, 0], p[:, 1]), radius)
+    np.testing.assert_allclose(np.abs(p[:, 2]), length / 2)
+    assert points.radius == REST_DEPTH
     for end in -1, 1:
         rim = p[p[:, 2] * end > 0]
         angles = np.sort(np.arctan2(rim[:, 1], rim[:, 0]))
@@ -73,12 +71,12 @@ def test_the_points_of_a_capsule_are_its_ends():
 
 @pytest.mark.parametrize("kind", [Convex, Mesh])
 @pytest.mark.parametrize("n", [5, 9, 40])
-def test_the_points_of_a_hull_touch_it_at_vertices(tmp_path, kind, n):
+def test_the_points_of_a_hull_are_vertices(tmp_path, kind, n):
     vertices = _unit_vectors(n, seed=n) * [0.05, 0.04, 0.02]
     points = MakeContactPoints(kind(_write_hull(tmp_path, vertices), 1.0))
     distances = np.linalg.norm(points.p_GS[:, None] - vertices, axis=2)
     touched = np.argmin(distances, axis=1)
-    np.testing.assert_allclose(distances.min(axis=1), points.radius, rtol=1e-9)
+    np.testing.assert_allclose(distances.min(axis=1), 0.0, atol=1e-12)
     assert len(set(touched)) == len(points.p_GS) == min(n, 16)
     if n <= 16:
         for direction in _unit_vectors(50):

@@ -99,7 +99,11 @@ def test_no_particle_fails_or_stands_on_anything():
 def test_contact_is_unknown():
     model, poses = ConstantVelocityMotionModel(), _motion().poses
     resolved = model.ResolvePenetration(
-        poses, np.zeros(3), np.ones(2, dtype=bool), model.MakeScratch()
+        poses,
+        np.zeros((*poses.shape[:2], 3)),
+        np.zeros(3),
+        np.ones(2, dtype=bool),
+        model.MakeScratch(),
     )
     np.testing.assert_array_equal(resolved, poses)
 

@@ -113,7 +113,9 @@ def test_an_object_that_is_not_tracked_yet_has_no_influence(
     for p, v in ((pose, velocity), ([*FLAT, 5.0, 5.0, 5.0], 0.0)):
         poses, velocities = _beside(blocks_in_the_way(8), p, v)
         scratch = dut.MakeScratch()
-        poses = dut.ResolvePenetration(poses, TOUCHING, active, scratch)
+        poses = dut.ResolvePenetration(
+            poses, np.zeros((8, 2, 3)), TOUCHING, active, scratch
+        )
         np.testing.assert_array_equal(poses[:, 1], np.tile(p, (8, 1)))
         motion = make_motion(poses, velocities, path, active=active)
         results.append(dut.Propagate(motion, scratch))
@@ -134,7 +136,9 @@ def test_without_a_tracked_object_nothing_changes(block):
     np.testing.assert_array_equal(result.poses, poses)
     np.testing.assert_array_equal(result.velocities, still(poses))
     assert not np.any(result.failed) and not np.any(result.supports)
-    resolved = dut.ResolvePenetration(poses, TOUCHING, none, scratch)
+    resolved = dut.ResolvePenetration(
+        poses, np.zeros((3, 1, 3)), TOUCHING, none, scratch
+    )
     np.testing.assert_array_equal(resolved, poses)
 
 

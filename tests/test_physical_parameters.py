@@ -11,6 +11,7 @@ from pydrake.multibody.plant import CoulombFriction
 import pytest
 from scipy.stats import norm
 
+from pbpf_drake.contact_points import POINT_STIFFNESS, SHAPE_STIFFNESS
 from pbpf_drake.particle_filter_config import (
     PhysicalParametersConfig,
     TruncatedGaussian,
@@ -20,6 +21,8 @@ from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene_models import data_folder
 
 NUM_DRAWS = 200_000
+# Of the model (in kg m²); see cracker.sdf.
+INERTIA_OF_CRACKER = np.array([0.00168776, 0.00100424, 0.00243711])
 PARAMETERS = ("friction", "mass", "dissipation")
 
 
@@ -73,11 +76,13 @@ def test_draws_have_the_shape_and_repeat_with_the_generator():
     np.testing.assert_array_equal(first.mass, np.full((70, 3), 2.0))
 
 
-def _bake(model, *, friction: float, dissipation: float) -> None:
+def _bake(model, *, friction: float, mass: float, dissipation: float) -> None:
     """Writes the contact of all objects into the model, not a context."""
     scene_graph = model.diagram.scene_graph()
     inspector = scene_graph.model_inspector()
-    for geometry in frozenset.union(*model.object_geometries):
+    for geometry in model.owners:
+        point = inspector.GetName(geometry).split("_")[-1] not in "09"
+        stiffness = POINT_STIFFNESS if point else SHAPE_STIFFNESS
         properties = ProximityProperties(
             inspector.GetProximityProperties(geometry)
         )
@@ -88,6 +93,9 @@ def _bake(model, *, friction: float, dissipation: float) -> None:
         )
         properties.UpdateProperty(
             "material", "hunt_crossley_dissipation", dissipation
+        )
+        properties.UpdateProperty(
+            "material", "point_contact_stiffness", stiffness * mass
         )
         scene_graph.AssignRole(
             model.diagram.plant().get_source_id(),
@@ -125,10 +133,14 @@ def _difference(a: np.ndarray, b: np.ndarray) -> float:
 
 
 class _Baked(Simulation):
-    """Leaves θ as it is in the model."""
+    """Has θ in its model, and leaves the context alone."""
 
-    def set_parameters(self, body, **parameters) -> None:
-        assert not parameters
+    def set_parameters(self, k, **parameters) -> None:
+        _bake(self.contact, **parameters)
+        # A context is made with what the model has then.
+        self.context.SetTimeStateAndParametersFrom(
+            self.contact.diagram.CreateDefaultContext()
+        )
 
 
 @pytest.fixture(scope="module")
@@ -137,15 +149,12 @@ def model():
 
 
 def test_friction_and_dissipation_are_as_if_baked_into_the_model(model):
-    baked_model = make_model("cracker")
-    _bake(baked_model, friction=0.23, dissipation=70.0)
-    baked = _push(_Baked(baked_model))
-    given = _push(
-        Simulation(model, friction=0.23, mass=0.411, dissipation=70.0)
-    )
+    parameters = {"friction": 0.23, "mass": 0.411, "dissipation": 70.0}
+    baked = _push(_Baked(model, **parameters))
+    given = _push(Simulation(model, **parameters))
     np.testing.assert_array_equal(given, baked)
-    other = _push(Simulation(model, friction=0.3, mass=0.411, dissipation=70.0))
-    assert _difference(other, baked) > 1e-4
+    parameters["friction"] = 0.3
+    assert _difference(_push(Simulation(model, **parameters)), baked) > 1e-4
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.7, 3.0])
@@ -156,12 +165,19 @@ def test_mass_and_inertia_are_as_if_baked_into_the_model(
     scene = make_scene(
         {"cracker": "package://scene/heavier.sdf"}, folder=str(tmp_path)
     )
-    baked_model = MakePredictionModel(scene)
-    _bake(baked_model, friction=0.3, dissipation=100.0)
-    baked = _push(_Baked(baked_model))
-    given = _push(Simulation(model, mass=factor * 0.411))
-    assert _difference(given, baked) < 1e-12
-    assert _difference(_push(Simulation(model, mass=0.411)), baked) > 1e-4
+    parameters = {"friction": 0.3, "mass": factor * 0.411, "dissipation": 100.0}
+    baked = _Baked(MakePredictionModel(scene), **parameters)
+    given = Simulation(model, **parameters)
+    assert _difference(_push(given), _push(baked)) < 1e-12
+    for simulation in given, baked:
+        inertia = simulation.plant.get_body(
+            simulation.contact.objects[0]
+        ).CalcSpatialInertiaInBodyFrame(simulation.plant_context)
+        assert inertia.get_mass() == pytest.approx(factor * 0.411)
+        np.testing.assert_allclose(
+            inertia.CalcRotationalInertia().get_moments(),
+            factor * INERTIA_OF_CRACKER,
+        )
 
 
 def test_a_context_with_other_parameters_is_not_touched(model):

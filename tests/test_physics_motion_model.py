@@ -58,7 +58,7 @@ def test_particles_are_predicted_with_the_parameters_they_are_dealt(block):
     """Blocks that slide lose speed as Coulomb says, each by its own θ."""
     dut = PhysicsMotionModel(model=block, config=_config(40))
     parameters, dealt = dut.parameters(), dut.assignment(7)
-    poses = blocks_on_table(40, parameters.mass[dealt, 0])
+    poses = blocks_on_table(40)
     velocities = still(poses)
     velocities[..., 3] = 1.0
     result = dut.Propagate(
@@ -75,7 +75,7 @@ def test_particles_are_predicted_with_the_parameters_they_are_dealt(block):
 def test_blocks_slide_as_far_as_coulomb_says(block, friction):
     config = _config(3, physics=exactly(friction=friction))
     dut = PhysicsMotionModel(model=block, config=config)
-    poses = blocks_on_table(3, dut.parameters().mass[dut.assignment(1), 0])
+    poses = blocks_on_table(3)
     velocities = still(poses)
     velocities[..., 3:5] = [0.54, -0.72]
     path = straight_path(AWAY, [0.0, 0.0], duration=0.48)
@@ -105,7 +105,11 @@ def test_results_depend_on_neither_threads_nor_memory(block):
         assert_same(dut.Propagate(motion, scratch), expected)
         dut.Propagate(junk, scratch)
         dut.ResolvePenetration(
-            poses - 0.005, AWAY, np.ones(1, dtype=bool), scratch
+            poses - 0.005,
+            np.zeros((24, 1, 3)),
+            AWAY,
+            np.ones(1, dtype=bool),
+            scratch,
         )
         assert_same(dut.Propagate(motion, scratch), expected)
 
@@ -149,10 +153,11 @@ def test_the_robot_ends_where_its_path_ends(block):
     dut = PhysicsMotionModel(model=block, config=_config(6))
     poses, scratch = blocks_in_the_way(6), dut.MakeScratch()
     dut.Propagate(make_motion(poses, still(poses), path), scratch)
+    links = scratch.pool.Simulators((0,))
     for m in range(6):
-        context = scratch.Simulator(m).get_context()
+        context = links.Get(m).get_context()
         x = context.get_continuous_state_vector().CopyToVector()
-        np.testing.assert_allclose(x[block.robot_q], q[-1], atol=1e-5)
+        np.testing.assert_allclose(x[4:6], q[-1], atol=1e-5)
 
 
 def test_a_path_of_one_point_takes_no_time(block):

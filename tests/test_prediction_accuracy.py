@@ -30,7 +30,7 @@ PROBE_SPEED = 0.05
 HAND_SPEED = 0.023
 HALF_BLOCK = np.array([0.045, 0.045, 0.0065])
 STEP = ParticleFilterConfig().time_step
-HALF_STEP = STEP / 2
+HALF_STEP = 0.008
 FINE_STEP = 5e-4
 # What the first particles have to settle, and what is compared.
 WARM_UP, COMPARED = 4, 2

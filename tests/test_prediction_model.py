@@ -1,271 +1,41 @@
 import numpy as np
-from physics_fixtures import (
-    CAN_UPRIGHT,
-    FLAT,
-    GRAVITY,
-    HEIGHTS,
-    PROBE_RADIUS,
-    STIFFNESS,
-    Simulation,
-    make_model,
-    make_scene,
-)
-import pytest
+from physics_fixtures import make_model
 from recording_fixtures import SCENES
 
 from pbpf_drake import quaternions
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import LoadScene
 
-CROSSBEAM = """
-- add_model:
-    name: beam
-    file: package://pbpf_drake/obstacles/scene_1_obstacle.sdf
-- add_weld:
-    parent: world
-    child: beam::scene_1_obstacle
-    X_PC:
-      translation: [0.0, 0.0, 0.12525]
-      rotation: !Rpy {deg: [90.0, 0.0, 0.0]}
-"""
-# A user's model: a box of 0.1 x 0.06 x 0.04 m, as a mesh.
-CORNERS = np.array(
-    [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-) * [0.05, 0.03, 0.02]
-MESH_SDF = """<sdf version="1.7" xmlns:drake="http://drake.mit.edu">
-<model name="brick"><link name="brick"><inertial><mass>0.5</mass><inertia>
-<ixx>2e-4</ixx><iyy>5e-4</iyy><izz>6e-4</izz>
-<ixy>0</ixy><ixz>0</ixz><iyz>0</iyz>
-</inertia></inertial><collision name="hull"><geometry><mesh><uri>brick.obj</uri>
-{convex}</mesh></geometry></collision></link></model></sdf>"""
-
-
-@pytest.fixture(scope="module")
-def models():
-    """Prediction models by the names of their objects, made when used."""
-    made = {}
-
-    def get(*names: str):
-        if names not in made:
-            made[names] = make_model(*names)
-        return made[names]
-
-    return get
-
-
-def _slide(simulation, q_WO, z, *, speed, angle) -> np.ndarray:
-    """Returns how far an object slides until it stops, (2,)."""
-    simulation.settle(q_WO, [0.0, 0.0, z])
-    start = simulation.pose()[4:6]
-    direction = np.array([np.cos(angle), np.sin(angle), 0.0])
-    simulation.set_velocity([0.0, 0.0, 0.0, *(speed * direction)])
-    simulation.advance(0.8)
-    assert np.linalg.norm(simulation.velocity()) < 1e-6
-    return simulation.pose()[4:6] - start
-
-
-UPRIGHT_BOX = quaternions.from_rotation_vector(
+UPRIGHT = quaternions.from_rotation_vector(
     np.deg2rad(120.0) * np.array([-1, -1, -1]) / np.sqrt(3)
 )
-SLIDERS = [
-    ("cracker", FLAT, HEIGHTS["cracker"]),
-    ("cracker", UPRIGHT_BOX, 0.08),
-    ("soup", CAN_UPRIGHT, HEIGHTS["soup"]),
-]
-
-
-@pytest.mark.parametrize(("name", "q_WO", "z"), SLIDERS)
-@pytest.mark.parametrize("friction", [0.2, 0.3, 0.4])
-@pytest.mark.parametrize("angle", [0.0, 0.5, 2.0])
-def test_objects_slide_as_far_as_coulomb_says(
-    models, name, q_WO, z, friction, angle
-):
-    simulation = Simulation(models(name), friction=friction)
-    moved = _slide(simulation, q_WO, z, speed=0.9, angle=angle)
-    distance = 0.9**2 / (2 * friction * GRAVITY)
-    direction = np.array([np.cos(angle), np.sin(angle)])
-    assert np.linalg.norm(moved) == pytest.approx(distance, rel=0.05)
-    assert moved @ direction == pytest.approx(np.linalg.norm(moved), rel=1e-3)
-
-
-@pytest.mark.parametrize(("name", "q_WO", "z"), SLIDERS)
-@pytest.mark.parametrize("time_step", [0.005, 0.01, 0.02])
-def test_what_is_missing_is_half_a_step_of_the_initial_speed(
-    models, name, q_WO, z, time_step
-):
-    """The integrator uses the speed at the end of a step."""
-    simulation = Simulation(models(name), time_step=time_step, friction=0.4)
-    moved = _slide(simulation, q_WO, z, speed=0.5, angle=0.5)
-    distance = 0.5**2 / (2 * 0.4 * GRAVITY) - 0.5 * time_step / 2
-    assert np.linalg.norm(moved) == pytest.approx(distance, rel=0.03)
-
-
-@pytest.mark.parametrize("mass", [0.1, 0.4, 1.5])
-def test_four_points_carry_a_box(models, mass):
-    simulation = Simulation(models("cracker"), mass=mass)
-    z = HEIGHTS["cracker"]
-    simulation.settle(FLAT, [0.0, 0.0, z], duration=0.6)
-    depth = mass * GRAVITY / (4 * STIFFNESS)
-    assert z - simulation.pose()[6] == pytest.approx(depth, rel=0.02)
-
-
-@pytest.mark.parametrize("dissipation", [20.0, 50.0, 100.0])
-def test_the_dissipation_of_a_contact_is_the_objects_own(models, dissipation):
-    """What is light and deep leaves at the speed 1/d of Hunt and Crossley."""
-    simulation = Simulation(
-        models("cracker"),
-        time_step=1e-4,
-        mass=0.02,
-        dissipation=dissipation,
-    )
-    simulation.set_pose(FLAT, [0.0, 0.0, HEIGHTS["cracker"] - 4.5e-4])
-    simulation.set_velocity(np.zeros(6))
-    simulation.advance(2e-3)
-    assert simulation.velocity()[5] == pytest.approx(1 / dissipation, rel=0.03)
-
-
-@pytest.mark.parametrize("friction", [0.1, 0.3, 0.6])
-def test_the_friction_of_a_contact_with_the_robot_is_the_objects_own(
-    models, friction
-):
-    """In the air, a probe hits a block and slips along it."""
-    simulation = Simulation(models("block"), time_step=2e-4, friction=friction)
-    simulation.set_pose(FLAT, [0.0, 0.0, 0.03])
-    simulation.set_velocity(np.zeros(6))
-    start = np.array([-0.045 - PROBE_RADIUS + 1e-6, -0.002])
-    simulation.set_robot(start, [0.1, 1.0])
-    simulation.advance(0.006)
-    vx, vy = simulation.velocity()[3:5]
-    assert vx > 0.05
-    assert vy / vx == pytest.approx(friction, rel=0.02)
-
-
-def _check_rest(simulation, k: int, pose, tolerance: float) -> None:
-    """Fails unless an object stays at a pose for a second."""
-    for _ in range(5):
-        simulation.advance(0.2)
-        now = simulation.pose(k)
-        np.testing.assert_allclose(now[4:], pose[4:], atol=tolerance)
-        angle = quaternions.angle_between(now[:4], pose[:4])
-        assert angle < 20 * tolerance
-
-
-def test_objects_rest_on_each_other(models):
-    simulation = Simulation(models("cracker", "soup"))
-    top = 2 * HEIGHTS["cracker"] + HEIGHTS["soup"]
-    simulation.set_pose(CAN_UPRIGHT, [0.03, 0.04, top - 4e-5], 1)
-    simulation.settle(FLAT, [0.0, 0.0, HEIGHTS["cracker"]])
-    _check_rest(simulation, 0, [*FLAT, 0, 0, HEIGHTS["cracker"]], 2e-4)
-    _check_rest(simulation, 1, [*CAN_UPRIGHT, 0.03, 0.04, top], 2e-4)
-
-
-@pytest.mark.parametrize(
-    "yaw",
-    [
-        np.pi / 2,
-        0.8,
-        pytest.param(
-            0.0,
-            marks=pytest.mark.xfail(
-                strict=True, reason="no corner of either is on the other"
-            ),
-        ),
-    ],
-)
-def test_a_box_rests_on_a_beam_that_is_narrower(yaw):
-    simulation = Simulation(make_model("cracker", fixed=CROSSBEAM))
-    q = quaternions.from_rotation_vector(np.array([0.0, 0.0, yaw]))
-    pose = [*q, 0.0, 0.0, 0.2505 + HEIGHTS["cracker"]]
-    simulation.settle(pose[:4], pose[4:], duration=0.5)
-    _check_rest(simulation, 0, pose, 2e-4)
-
-
-@pytest.mark.parametrize("speed", [0.0, 0.1, 0.3])
-@pytest.mark.parametrize("roll", [0.0, np.pi / 8])
-def test_a_can_on_its_side_is_carried_by_its_rims(models, speed, roll):
-    """They are octagons: 2.6 mm lower between two points than on one."""
-    simulation = Simulation(models("soup"))
-    q = quaternions.from_rotation_vector(np.array([0.0, roll, 0.0]))
-    radius = 0.03383
-    simulation.set_pose(q, [0.0, 0.0, radius])
-    simulation.set_velocity([0.0, speed / radius, 0.0, speed, 0.0, 0.0])
-    for _ in range(20):
-        simulation.advance(0.05)
-        height = simulation.pose()[6]
-        low = radius * np.cos(np.pi / 8)
-        assert low - 1.5e-3 < height < radius + 5e-4
-    assert simulation.pose()[4] > -0.03
-
-
-def _write_brick(folder, convex: str) -> None:
-    faces = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
-    lines = [f"v {x} {y} {z}" for x, y, z in CORNERS]
-    lines += [f"f {face}" for face in faces]
-    (folder / "brick.obj").write_text("\n".join(lines))
-    (folder / "brick.sdf").write_text(MESH_SDF.format(convex=convex))
-
-
-@pytest.mark.parametrize("convex", ["", "<drake:declare_convex/>"])
-def test_a_users_mesh_falls_flat_and_rests(tmp_path, convex):
-    _write_brick(tmp_path, convex)
-    files = {"brick": "package://scene/brick.sdf"}
-    scene = make_scene(files, folder=str(tmp_path))
-    simulation = Simulation(MakePredictionModel(scene), mass=0.5)
-    tilted = quaternions.from_rotation_vector(np.array([0.2, 0.3, 0.0]))
-    simulation.set_pose(tilted, [0.0, 0.0, 0.05])
-    simulation.advance(1.5)
-    start = simulation.pose()
-    up = quaternions.rotate(start[:4], np.array([0.0, 0.0, 1.0]))
-    np.testing.assert_allclose(up, [0.0, 0.0, 1.0], atol=1e-4)
-    assert start[6] == pytest.approx(0.02, abs=1e-4)
-    _check_rest(simulation, 0, start, 1e-4)
-
-
-def test_geometries_have_one_owner(models):
-    model = models("cracker", "soup")
-    for k, geometries in enumerate(model.object_geometries):
-        assert {model.owner(geometry) for geometry in geometries} == {k}
-    assert {model.owner(g) for g in model.fixed_geometries} == {None}
-    counts = [len(geometries) for geometries in model.object_geometries]
-    assert counts == [1 + 1 + 8, 1 + 1 + 16]
-    assert len(model.fixed_geometries) == 1 + 8
-
-
-def test_indices_are_those_of_the_plant(models):
-    model = models("cracker", "soup")
-    plant = model.diagram.plant()
-    context = plant.CreateDefaultContext()
-    rows = [*model.robot_q, *model.object_q.ravel()]
-    assert sorted(rows) == list(range(plant.num_positions()))
-    rows = [*model.robot_v, *model.object_v.ravel()]
-    assert sorted(rows) == list(range(plant.num_velocities()))
-    v = np.arange(plant.num_velocities(), dtype=float)
-    plant.SetVelocities(context, v)
-    for k, index in enumerate(model.models.objects):
-        body = plant.get_body(index)
-        velocity = body.EvalSpatialVelocityInWorld(context)
-        np.testing.assert_array_equal(
-            v[model.object_v[k]],
-            [*velocity.rotational(), *velocity.translational()],
-        )
 
 
 def test_nominal_poses_are_the_scenes():
     model = MakePredictionModel(LoadScene(SCENES / "cheezit_1.yaml"))
     (pose,) = model.nominal_poses
     np.testing.assert_allclose(pose[4:], [0.4, 0.0868, 0.08])
-    angle = quaternions.angle_between(pose[:4], UPRIGHT_BOX)
-    assert angle < 1e-9
+    assert quaternions.angle_between(pose[:4], UPRIGHT) < 1e-9
 
 
-def test_the_robot_touches_nothing_but_objects():
+def test_joint_names_are_in_the_order_of_the_positions():
     model = MakePredictionModel(LoadScene(SCENES / "cheezit_1.yaml"))
-    simulation = Simulation(model)
-    simulation.set_pose(FLAT, [5.0, 0.0, 1.0])
-    query_port = model.diagram.scene_graph().get_query_output_port()
-    context = model.diagram.scene_graph().GetMyContextFromRoot(
-        simulation.context
-    )
-    for q in np.random.default_rng(0).uniform(-2, 2, (20, 9)):
-        simulation.set_robot(q, np.zeros(9))
-        assert not query_port.Eval(context).ComputePointPairPenetration()
+    plant, names = model.diagram.plant(), model.joint_names
+    assert names[:2] == ("panda_joint1", "panda_joint2")
+    assert len(names) == len(model.robot_q) == 9
+    for name, row in zip(names, model.robot_q, strict=True):
+        assert plant.GetJointByName(name).position_start() == row
+
+
+def test_links_are_what_can_touch():
+    model = MakePredictionModel(LoadScene(SCENES / "cheezit_1.yaml"))
+    plant = model.diagram.plant()
+    names = [plant.get_body(link).name() for link in model.links]
+    # The flange, link 8, has no shape.
+    arm = [f"panda_link{i}" for i in range(8)]
+    hand = ["panda_hand", "panda_leftfinger", "panda_rightfinger"]
+    assert names == arm + hand
+    block = make_model("block")
+    (probe,) = block.links
+    assert block.diagram.plant().get_body(probe).name() == "pusher_probe"
+    assert len(block.geometries(probe)) == 1

@@ -3,27 +3,25 @@ import threading
 
 import numpy as np
 from physics_fixtures import FLAT, make_model
+from pydrake.systems.analysis import Simulator
 import pytest
 
-from pbpf_drake.prediction_pool import (
-    MakeSimulator,
-    PredictionPool,
-    ResetIntegrator,
-)
+from pbpf_drake.contact_model import MakeContactModel
+from pbpf_drake.prediction_pool import PredictionPool, ResetIntegrator
 
 
 @pytest.fixture(scope="module")
 def model():
-    return make_model("block")
+    return MakeContactModel(make_model("block"), ())
 
 
-def _make_pool(num_threads: int) -> tuple[PredictionPool, list[int]]:
+def _make_pool(num_threads: int) -> tuple[PredictionPool, list]:
     """Returns a pool of strings, and the indices that it has made."""
-    made: list[int] = []
+    made: list[tuple[tuple[int, ...], int]] = []
 
-    def make(index: int) -> str:
-        made.append(index)
-        return f"simulator {index}"
+    def make(links: tuple[int, ...], index: int) -> str:
+        made.append((links, index))
+        return f"simulator {index} with {links}"
 
     return PredictionPool(make=make, num_threads=num_threads), made
 
@@ -31,28 +29,41 @@ def _make_pool(num_threads: int) -> tuple[PredictionPool, list[int]]:
 def test_a_simulator_is_made_when_it_is_first_used_and_kept():
     pool, made = _make_pool(1)
     assert made == []
-    assert pool.Simulator(3) == "simulator 3"
-    assert pool.Simulator(1) == "simulator 1"
-    assert pool.Simulator(3) is pool.Simulator(3)
-    assert made == [3, 1]
+    assert pool.Simulators(()).Get(3) == "simulator 3 with ()"
+    assert pool.Simulators((5,)).Get(3) == "simulator 3 with (5,)"
+    assert pool.Simulators(()).Get(3) is pool.Simulators(()).Get(3)
+    assert made == [((), 3), ((5,), 3)]
 
 
 def test_what_is_discarded_is_made_anew():
     pool, made = _make_pool(1)
-    pool.Simulator(2)
-    pool.Discard(2)
-    pool.Discard(5)
-    pool.Simulator(2)
-    assert made == [2, 2]
+    simulators = pool.Simulators(())
+    simulators.Get(2)
+    simulators.Discard(2)
+    simulators.Discard(5)
+    pool.Simulators(()).Get(2)
+    assert made == [((), 2), ((), 2)]
+
+
+def test_the_links_that_were_not_used_the_longest_are_given_up():
+    pool, made = _make_pool(1)
+    for links in [(0,), (1,), (2,), (0,), (3,), (4,)]:
+        pool.Simulators(links).Get(0)
+    assert len(made) == 5
+    for links in (0,), (2,), (3,), (4,):
+        pool.Simulators(links).Get(0)
+    assert len(made) == 5
+    pool.Simulators((1,)).Get(0)
+    assert len(made) == 6
 
 
 def test_a_copy_is_empty_and_makes_its_own():
     pool, made = _make_pool(2)
-    pool.Simulator(0)
+    pool.Simulators(()).Get(0)
     pool.Run(lambda index: None, range(4))  # Its threads can't be copied.
     twin = copy.deepcopy(pool)
-    twin.Simulator(0)
-    assert made == [0, 0]
+    twin.Simulators(()).Get(0)
+    assert made == [((), 0), ((), 0)]
 
 
 @pytest.mark.parametrize("num_threads", [1, 2, 5])
@@ -89,26 +100,17 @@ def test_an_error_of_the_work_is_raised(num_threads):
     ("time_step", "steps"), [(0.01, 16), (0.02, 8), (0.16, 1), (0.03, 6)]
 )
 def test_steps_are_as_long_as_they_are_said_to_be(model, time_step, steps):
-    simulator = MakeSimulator(model, time_step)
+    simulator = Simulator(model.diagram)
+    ResetIntegrator(simulator, time_step)
     simulator.Initialize()
     simulator.AdvanceTo(0.16, interruptible=False)
     assert simulator.get_num_steps_taken() == steps
     assert simulator.get_context().get_time() == 0.16
 
 
-def test_simulators_share_the_model_and_have_contexts_of_their_own(model):
-    one, two = (MakeSimulator(model, 0.01) for _ in range(2))
-    assert one.get_system() is two.get_system() is model.diagram
-    start = two.get_context().get_continuous_state_vector().CopyToVector()
-    one.Initialize()
-    one.AdvanceTo(0.05, interruptible=False)
-    end = two.get_context().get_continuous_state_vector().CopyToVector()
-    np.testing.assert_array_equal(start, end)
-
-
 def test_an_integrator_that_was_reset_has_forgotten_its_only_step(model):
     """Without that, a second first step at time 0 repeats the first."""
-    simulator = MakeSimulator(model, 0.01)
+    simulator = Simulator(model.diagram)
     context = simulator.get_mutable_context()
     plant = model.diagram.plant()
     plant_context = plant.GetMyMutableContextFromRoot(context)

@@ -64,3 +64,13 @@ def test_rotate_agrees_with_scipy():
 def test_normalize_gives_unit_length():
     q = quaternions.normalize(3 * random_quaternions(5))
     np.testing.assert_allclose(np.linalg.norm(q, axis=-1), 1)
+
+
+def test_matrices_are_those_of_scipy():
+    q = quaternions.normalize(np.random.default_rng(5).normal(size=(4, 3, 4)))
+    matrices = quaternions.to_matrix(q)
+    assert matrices.shape == (4, 3, 3, 3)
+    expected = Rotation.from_quat(q.reshape(-1, 4)[:, [1, 2, 3, 0]])
+    np.testing.assert_allclose(
+        matrices.reshape(-1, 3, 3), expected.as_matrix(), atol=1e-14
+    )

@@ -42,8 +42,14 @@ def test_without_a_path_there_is_nothing_to_record():
         ("detector.latency", -0.1),
         ("detector.bias", PoseStddev(position=-1.0)),
         ("detector.noise", PoseStddev(rotation=math.nan)),
-        ("detector.hidden_visibility", 0.6),
+        ("detector.hidden_visibility", 0.95),
         ("detector.hidden_visibility", -0.1),
+        ("detector.outlier_chance", 1.1),
+        ("detector.outlier_chance", math.nan),
+        ("detector.outlier_position", Range(min=0.0, max=0.5)),
+        ("detector.outlier_position", Range(min=0.7, max=0.1)),
+        ("detector.outlier_rotation", Range(min=0.0, max=1.0)),
+        ("detector.outlier_rotation", Range(min=1.0, max=3.2)),
     ],
 )
 def test_a_bad_value_is_refused_by_the_name_of_its_field(field, value):
@@ -55,6 +61,14 @@ def test_a_bad_value_is_refused_by_the_name_of_its_field(field, value):
         owner = getattr(owner, parent)
     setattr(owner, name, value)
     with pytest.raises(ValueError, match=f"recording.{field}"):
+        config.ValidateOrThrow()
+
+
+def test_a_bad_range_of_outliers_is_described_with_its_values():
+    config = make_planar_scene().recording
+    config.detector.outlier_position = Range(min=0.7, max=0.1)
+    expected = r"outlier_position is \(0.7, 0.1\); expected 0 < min <= max"
+    with pytest.raises(ValueError, match=expected):
         config.ValidateOrThrow()
 
 

@@ -22,8 +22,8 @@ from pbpf_drake.tracking import (
 )
 
 FOLDER = data_folder("diagrams")
-# Of these 8.5 s all but the first 0.8 s are without detections.
-START, END = 11.5, 20.0
+# Of these 9.5 s all but the first 1.3 s are without detections.
+START, END = 10.5, 20.0
 HALF_BOX = np.array([0.16, 0.21344, 0.061]) / 2
 
 

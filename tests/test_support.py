@@ -10,7 +10,7 @@ from physics_fixtures import (
 import pytest
 
 from pbpf_drake import quaternions
-from pbpf_drake.support import find_supports, support_normal
+from pbpf_drake.support import find_contacts, find_supports, support_normals
 
 UP = np.array([0.0, 0.0, 1.0])
 # How deep a thing at rest is in what it stands on.
@@ -38,16 +38,30 @@ def simulation():
     return Simulation(make_model("block", "soup", fixed=RAMP))
 
 
+def _found(simulation) -> np.ndarray:
+    contacts = find_contacts(simulation.contact, simulation.context)
+    (supports,) = find_supports([contacts], 2)
+    return supports
+
+
+def _normal(points, normals) -> np.ndarray:
+    """Returns what is found of one group of contacts, (3,)."""
+    (normal,) = support_normals(
+        np.array(points, float), np.array(normals, float), np.array([0])
+    )
+    return normal
+
+
 def _supports(simulation, block, can=(*FLAT, 0.0, 0.0, 2.0)) -> np.ndarray:
     simulation.set_pose(block[:4], block[4:], 0)
     simulation.set_pose(can[:4], can[4:], 1)
-    return find_supports(simulation.model, simulation.context)
+    return _found(simulation)
 
 
 def test_three_points_of_a_plane_are_a_support():
     points = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]])
     normal = np.array([0.6, 0.0, 0.8])
-    found = support_normal(points, np.tile(normal, (3, 1)))
+    found = _normal(points, np.tile(normal, (3, 1)))
     np.testing.assert_allclose(found, normal)
 
 
@@ -55,7 +69,7 @@ def test_normals_that_differ_a_little_are_averaged():
     points = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0]])
     tilts = np.array([[0.01, 0], [-0.01, 0], [0, 0.01], [0, -0.01]])
     normals = np.column_stack([np.sin(tilts), np.cos(0.01 * np.ones(4))])
-    np.testing.assert_allclose(support_normal(points, normals), UP, atol=1e-12)
+    np.testing.assert_allclose(_normal(points, normals), UP, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -80,8 +94,25 @@ def test_normals_that_differ_a_little_are_averaged():
     ],
 )
 def test_what_is_not_flat_is_no_support(points, normals):
-    found = support_normal(np.array(points, float), np.array(normals, float))
-    np.testing.assert_array_equal(found, np.zeros(3))
+    np.testing.assert_array_equal(_normal(points, normals), np.zeros(3))
+
+
+def test_groups_of_contacts_do_not_influence_each_other():
+    """In any order, each gets what it gets alone."""
+    triangle = [np.eye(3)[i] for i in range(3)]
+    groups = {
+        (0, 1): [(point, UP) for point in triangle],
+        (1, 0): [(point, -UP) for point in triangle],
+        (2, 0): [(triangle[0], UP)],
+        (2, 1): list(zip(triangle, np.eye(3), strict=True)),
+    }
+    contacts = [[] for _ in range(4)]
+    for (m, k), of_group in reversed(groups.items()):
+        contacts[m] += [(k, *contact) for contact in of_group]
+    expected = np.zeros((4, 2, 3))
+    expected[0, 1], expected[1, 0] = UP, -UP
+    np.testing.assert_array_equal(find_supports(contacts, 2), expected)
+    assert not np.any(find_supports([[], []], 3))
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4, 2.0])
@@ -92,7 +123,7 @@ def test_a_block_that_lies_on_the_table_is_supported(simulation, yaw):
 
 
 def test_a_block_in_the_air_is_free(simulation):
-    block, _ = _supports(simulation, [*FLAT, 0.1, 0.2, 0.0066])
+    block, _ = _supports(simulation, [*FLAT, 0.1, 0.2, HEIGHTS["block"] + 9e-4])
     np.testing.assert_array_equal(block, np.zeros(3))
 
 
@@ -152,5 +183,5 @@ def test_the_robot_is_no_support(simulation):
 def test_what_has_come_to_rest_is_supported(simulation):
     simulation.set_pose(FLAT, [0.0, 0.0, 2.0], 0)
     simulation.settle(CAN_UPRIGHT, [0.1, 0.2, HEIGHTS["soup"]], k=1)
-    _, can = find_supports(simulation.model, simulation.context)
+    _, can = _found(simulation)
     np.testing.assert_allclose(can, UP, atol=1e-6)

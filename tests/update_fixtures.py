@@ -36,7 +36,9 @@ class FreeMotion:
         supports = np.zeros((*poses.shape[:2], 3))
         return MotionResult(poses, motion.velocities, supports, failed)
 
-    def ResolvePenetration(self, poses, robot_positions, active, scratch):
+    def ResolvePenetration(
+        self, poses, supports, robot_positions, active, scratch
+    ):
         return poses
 
 

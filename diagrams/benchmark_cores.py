@@ -1,0 +1,59 @@
+"""What the machine's cores are worth: independent processes that only compute.
+
+Two virtual cores may be two threads of one core, and others may use them too.
+So the filter's speed-up with threads is compared with that of processes which
+have nothing in common, measured in the same run.
+"""
+
+import multiprocessing
+from multiprocessing.queues import SimpleQueue
+from multiprocessing.synchronize import Barrier
+from statistics import median
+from time import perf_counter
+
+_WORK = 1_000_000
+
+
+def MeasureProcessSpeedup(count: int, *, rounds: int = 7) -> float:
+    """Returns by what so many processes do more per second than one.
+
+    One of them computes alone, then all do, and so on; the median counts.
+
+    Args:
+        count: of processes.
+        rounds: how often.
+    """
+    context = multiprocessing.get_context("spawn")
+    barrier, queue = context.Barrier(count), context.SimpleQueue()
+    processes = [
+        context.Process(target=_work, args=(barrier, queue, rounds, rank == 0))
+        for rank in range(count)
+    ]
+    for process in processes:
+        process.start()
+    times = [[queue.get() for _ in processes] for _ in range(rounds)]
+    for process in processes:
+        process.join()
+    return median(
+        count * max(alone for alone, _ in one) / max(both for _, both in one)
+        for one in times
+    )
+
+
+def _work(
+    barrier: Barrier, queue: SimpleQueue, rounds: int, is_first: bool
+) -> None:
+    for _ in range(rounds):
+        barrier.wait()
+        alone = _compute() if is_first else 0.0
+        barrier.wait()
+        queue.put((alone, _compute()))
+
+
+def _compute() -> float:
+    """Returns how long some integer arithmetic takes (in seconds)."""
+    begin = perf_counter()
+    x = 1
+    for _ in range(_WORK):
+        x = (x * 1103515245 + 12345) % 2147483648
+    return perf_counter() - begin

@@ -1,0 +1,30 @@
+"""The joints of a robot that move, in the order of its positions."""
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JointIndex, ModelInstanceIndex
+
+
+def RobotJointNames(
+    plant: MultibodyPlant, robot: ModelInstanceIndex
+) -> list[str]:
+    """Returns the names of the joints that move, in the order of q.
+
+    The plant must be finalized.
+
+    Raises:
+        ValueError: a joint has more than one degree of freedom, or the
+            robot's base is free.
+    """
+    joints = []
+    for index in plant.GetJointIndices(robot):
+        joint = plant.get_joint(JointIndex(index))
+        if joint.num_positions() > 1:
+            raise ValueError(
+                f"joint {joint.name()!r} of the robot has "
+                f"{joint.num_positions()} positions; expected 1: a fixed "
+                "base, and revolute or prismatic joints"
+            )
+        if joint.num_positions() == 1:
+            joints.append(joint)
+    joints.sort(key=lambda j: j.position_start())
+    return [joint.name() for joint in joints]

@@ -1,0 +1,64 @@
+import numpy as np
+from physics_fixtures import FLAT, make_model
+import pytest
+
+from pbpf_drake.bounding_boxes import MakeBoundingBoxes
+from pbpf_drake.link_reach import links_in_reach
+from pbpf_drake.robot_links import RobotLinks
+
+# From the middle of the block to that of the probe, where they touch.
+TOUCHING = 0.045 + 0.004745
+
+
+@pytest.fixture(scope="module")
+def model():
+    return make_model("block", "soup")
+
+
+def _near(model, x_probe, x_block, *, margin, active=(True, True), x_soup=5.0):
+    """Whether a probe comes near: where it is, where the block is."""
+    links = RobotLinks(model=model)
+    context = model.diagram.plant().CreateDefaultContext()
+    poses = np.zeros((len(x_block), 2, 7))
+    poses[:, :, :4] = FLAT
+    poses[:, 0, 4] = x_block
+    poses[:, 1, 4] = x_soup
+    objects = MakeBoundingBoxes(
+        model.diagram.scene_graph().model_inspector(),
+        [model.geometries(body) for body in model.models.objects],
+    )
+    near = links_in_reach(
+        objects=objects,
+        poses=poses,
+        active=np.array(active),
+        links=links.boxes,
+        link_poses=np.stack([links.Poses([x, 0.0], context) for x in x_probe]),
+        margin=np.full(len(x_block), margin),
+    )
+    assert near.shape == (len(x_block), 1)
+    return list(near[:, 0])
+
+
+def test_what_is_closer_than_the_margin_is_near(model):
+    x = -TOUCHING - np.array([0.011, 0.009, -0.02])
+    assert _near(model, [0.0], -x, margin=0.01) == [False, True, True]
+
+
+def test_anywhere_on_the_way_counts(model):
+    far = [2 * TOUCHING + 0.05]
+    assert _near(model, [0.0], far, margin=0.01) == [False]
+    assert _near(model, [0.0, 0.1], far, margin=0.01) == [True]
+    assert _near(model, [0.0, 0.1, 0.0], far, margin=0.01) == [True]
+
+
+def test_only_objects_that_are_tracked_count(model):
+    assert _near(model, [0.0], [0.0], margin=0.0) == [True]
+    away = {"active": (False, True), "margin": 0.0}
+    assert _near(model, [0.0], [0.0], **away) == [False]
+    assert _near(model, [0.0], [0.0], x_soup=0.0, **away) == [True]
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_is_nowhere_is_near_nothing(model):
+    x = [np.nan, np.inf, 0.0]
+    assert _near(model, [0.0], x, margin=0.01) == [False, False, True]
