@@ -19,7 +19,7 @@ from pydrake.geometry import Box, Capsule, Convex, Cylinder, Mesh, Shape
 # Of a contact of the spheres, and of one of the shape itself, which the robot
 # touches (in N/m per kg of the object).
 POINT_STIFFNESS = 3e3
-SHAPE_STIFFNESS = 3e4
+SHAPE_STIFFNESS = 1e4
 # How deep a thing that stands on four points sinks in (in meters).
 REST_DEPTH = 9.81 / (4 * POINT_STIFFNESS)
 # Radius of the spheres (in meters).

@@ -35,24 +35,25 @@ def add_process_noise(
 ) -> np.ndarray:
     """Returns poses + ε, ε ~ N(0, σ_f²) (Section 4.1).
 
-    What stands on a support is slid along it and turned about its normal,
-    everything else is moved and turned in any direction.
+    Of the noise of what stands on a support, what would lift or tilt it is
+    left out.
 
     Args:
         poses: (..., 7).
-        stddev: of the distance (its root mean square: σ/√2 along each axis of
-            a support, σ/√3 along each axis in space), and of the angle.
+        stddev: of the distance (its root mean square in space: σ/√3 along
+            each axis), and of the angle, about any axis.
         rng: where the numbers come from.
-        supports: (..., 3) unit normals, or zeros for what stands on nothing.
+        supports: (..., 3) unit normals, or zeros for what stands on
+            nothing.
     """
     shape = poses.shape[:-1]
+    dp = rng.standard_normal((*shape, 3)) * stddev.position / np.sqrt(3)
+    dr = _random_axes(shape, rng) * rng.standard_normal((*shape, 1))
+    dr *= stddev.rotation
     stands = np.any(supports, axis=-1, keepdims=True)
-    dp = rng.standard_normal((*shape, 3))
-    dp -= supports * np.sum(dp * supports, axis=-1, keepdims=True)
-    dp *= stddev.position / np.sqrt(np.where(stands, 2, 3))
-    axes = np.where(stands, supports, _random_axes(shape, rng))
-    angles = stddev.rotation * rng.standard_normal((*shape, 1))
-    return perturb_poses(poses, dp, angles * axes)
+    upwards = supports * np.sum(dp * supports, axis=-1, keepdims=True)
+    turning = supports * np.sum(dr * supports, axis=-1, keepdims=True)
+    return perturb_poses(poses, dp - upwards, np.where(stands, turning, dr))
 
 
 def sample_around(
