@@ -137,7 +137,7 @@ class ParticleFilterConfig:
     # authors' code has 39 to 43). With 48 a score was off by up to 0.09.
     num_rays: int = 150
     # ε ~ N(0, σ_f²), added after the prediction (Section 6): of the distance
-    # and of the angle, in the directions that a support leaves free.
+    # and of the angle in space; what a support prevents of it is left out.
     process_noise: PoseStddev = field(
         default_factory=lambda: PoseStddev(position=0.005, rotation=0.05)
     )
