@@ -267,7 +267,7 @@ def _rows(
 
 
 def _Material() -> ProximityProperties:
-    """Objects have one of their own in each context: see SetPhysicalParameters."""
+    """Objects get one of their own in each context (SetPhysicalParameters)."""
     properties = ProximityProperties()
     AddContactMaterial(
         dissipation=0.0,
