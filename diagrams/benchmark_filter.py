@@ -15,7 +15,10 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from pbpf_drake.add_particle_filter import ConfigForMethod
+from pbpf_drake.add_particle_filter import (
+    AssembleParticleFilter,
+    ConfigForMethod,
+)
 from pbpf_drake.diagrams.benchmark_memory import MemoryInUse
 from pbpf_drake.diagrams.benchmark_workload import Workload
 from pbpf_drake.dope_log_source import DopeLogSource
@@ -23,7 +26,6 @@ from pbpf_drake.joint_log_source import JointLogSource
 from pbpf_drake.motion_model import MotionInput
 from pbpf_drake.particle_filter import PhysicsBasedParticleFilter
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
-from pbpf_drake.particle_filter_update import ParticleFilterUpdate
 from pbpf_drake.physics_motion_model import PhysicsMotionModel
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import Scene
@@ -242,19 +244,12 @@ def _make_filter(
     visibility_model: Any = TimedModel(
         VisibilityModel(scene=scene, num_rays=config.num_rays), on_call
     )
-    return PhysicsBasedParticleFilter(
+    return AssembleParticleFilter(
+        scene=scene,
         config=config,
-        update=ParticleFilterUpdate(
-            config=config,
-            motion_model=motion_model,
-            visibility_model=visibility_model,
-            visibility_configs=tuple(
-                tracked.visibility for tracked in scene.tracked.values()
-            ),
-        ),
-        object_names=scene.object_names(),
-        nominal_poses=model.nominal_poses,
-        num_joints=len(model.joint_names),
+        model=model,
+        motion_model=motion_model,
+        visibility_model=visibility_model,
         on_update=on_update,
     )
 

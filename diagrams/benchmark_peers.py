@@ -11,16 +11,16 @@ from typing import Protocol
 
 import numpy as np
 
-from pbpf_drake.diagrams.benchmark_reference import (
-    Parameters,
-    Sample,
-    draw_parameters,
-)
+from pbpf_drake.diagrams.benchmark_reference import Sample
 from pbpf_drake.diagrams.mujoco_peer import MuJoCoPeer
 from pbpf_drake.diagrams.peer_scene import ReadPeerScene
 from pbpf_drake.diagrams.pybullet_peer import PyBulletPeer
 from pbpf_drake.motion_model import MotionInput
 from pbpf_drake.particle_filter_config import PhysicalParametersConfig
+from pbpf_drake.physical_parameters import (
+    PhysicalParameters,
+    SamplePhysicalParameters,
+)
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import Scene
 
@@ -34,7 +34,7 @@ class Peer(Protocol):
     def Reset(self, q: np.ndarray) -> None:
         """Puts the robot somewhere, at rest, before a pass through the log."""
 
-    def Prepare(self, parameters: Parameters) -> None:
+    def Prepare(self, parameters: PhysicalParameters) -> None:
         """Takes θ of the next update."""
 
     def Update(self, motion: MotionInput) -> np.ndarray:
@@ -115,7 +115,9 @@ def RunPeer(
         peer.Reset(motions[0].path.positions[0])
         for motion in motions:
             sample = by_update.get(len(seconds))
-            parameters = draw_parameters(physics, motion.poses.shape[:2], rng)
+            parameters = SamplePhysicalParameters(
+                physics, motion.poses.shape[:2], rng
+            )
             peer.Prepare(sample.parameters if sample else parameters)
             begin = perf_counter()
             poses = peer.Update(motion)

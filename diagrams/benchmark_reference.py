@@ -19,6 +19,7 @@ from pbpf_drake.particle_filter_config import (
     PhysicalParametersConfig,
     TruncatedGaussian,
 )
+from pbpf_drake.physical_parameters import PhysicalParameters
 from pbpf_drake.physics_motion_model import PhysicsMotionModel
 from pbpf_drake.prediction_model import PredictionModel
 
@@ -27,20 +28,6 @@ _FINE_STEP = 2e-4
 _MAX_PARTICLES = 70
 # What the robot moves by more than this is pushed (in meters).
 _PUSHED = 5e-4
-
-
-@dataclass(frozen=True)
-class Parameters:
-    """θ of all particles and objects.
-
-    Attributes:
-        friction, mass, dissipation: (M, K) or one number for all; mass in
-            kilograms, dissipation in s/m.
-    """
-
-    friction: np.ndarray | float
-    mass: np.ndarray | float
-    dissipation: np.ndarray | float
 
 
 @dataclass(frozen=True)
@@ -55,7 +42,7 @@ class Sample:
 
     update: int
     motion: MotionInput
-    parameters: Parameters
+    parameters: PhysicalParameters
 
 
 @dataclass(frozen=True)
@@ -69,22 +56,6 @@ class Errors:
 
     position: np.ndarray
     rotation: np.ndarray
-
-
-def draw_parameters(
-    config: PhysicalParametersConfig,
-    shape: tuple[int, ...],
-    rng: np.random.Generator,
-) -> Parameters:
-    """Draws θ as the filter's configuration says, in the given shape."""
-
-    def draw(gaussian: TruncatedGaussian) -> np.ndarray:
-        draws = rng.normal(gaussian.mean, gaussian.stddev, shape)
-        return np.maximum(draws, gaussian.min)
-
-    return Parameters(
-        draw(config.friction), draw(config.mass), draw(config.dissipation)
-    )
 
 
 def make_samples(
@@ -111,7 +82,7 @@ def make_samples(
         Sample(
             update=int(update),
             motion=_shorten(motions[int(update)]),
-            parameters=Parameters(friction[i], mass[i], dissipation[i]),
+            parameters=PhysicalParameters(friction[i], mass[i], dissipation[i]),
         )
         for i, update in enumerate(updates)
     ]
@@ -163,10 +134,10 @@ def PredictSamples(
         yield motion_model.Propagate(sample.motion, motion_model.MakeScratch())
 
 
-def _always(parameters: Parameters) -> PhysicalParametersConfig:
+def _always(parameters: PhysicalParameters) -> PhysicalParametersConfig:
     """Returns a distribution that draws nothing else."""
 
-    def fix(value: np.ndarray | float) -> TruncatedGaussian:
+    def fix(value: np.ndarray) -> TruncatedGaussian:
         return TruncatedGaussian(mean=float(value), stddev=0.0, min=1e-9)
 
     return PhysicalParametersConfig(

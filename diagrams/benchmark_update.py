@@ -36,6 +36,7 @@ from pbpf_drake.diagrams.benchmark_table import (
     update_table,
 )
 from pbpf_drake.diagrams.benchmark_workload import WORKLOADS, LoadWorkload
+from pbpf_drake.diagrams.run_command import RunCommand
 
 # How often the memory in use is printed.
 _MEMORY_ROWS = 20
@@ -160,15 +161,8 @@ def run_endurance(args: argparse.Namespace) -> None:
 def main(argv: list[str] | None = None) -> int:
     """Runs the script; returns its exit code."""
     args = _parse(argv)
-    try:
-        if args.endurance:
-            run_endurance(args)
-        else:
-            run(args)
-    except (ValueError, OSError) as error:
-        print(f"benchmark_update: {error}", file=sys.stderr)
-        return 1
-    return 0
+    chosen = run_endurance if args.endurance else run
+    return RunCommand("benchmark_update", lambda: chosen(args))
 
 
 if __name__ == "__main__":

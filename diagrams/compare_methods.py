@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.mcap_log_reader import ReadLog
 from pbpf_drake.particle_filter_config import METHODS
 from pbpf_drake.prediction_model import MakePredictionModel
@@ -103,19 +104,19 @@ def _table(rows: Sequence[tuple]) -> str:
     return "\n".join("".join(c.rjust(16) for c in line) for line in lines)
 
 
+def run(args: argparse.Namespace) -> None:
+    """Compares; prints a table, and writes all rows."""
+    args.out.mkdir(parents=True, exist_ok=True)
+    rows = _rows(_track_all(args))
+    with (args.out / "compare.csv").open("w", newline="") as file:
+        csv.writer(file).writerows([_COLUMNS, *rows])
+    print(_table(rows))
+
+
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     args = _parse(argv)
-    try:
-        args.out.mkdir(parents=True, exist_ok=True)
-        rows = _rows(_track_all(args))
-        with (args.out / "compare.csv").open("w", newline="") as file:
-            csv.writer(file).writerows([_COLUMNS, *rows])
-    except (ValueError, OSError) as error:
-        print(f"compare_methods: {error}", file=sys.stderr)
-        return 1
-    print(_table(rows))
-    return 0
+    return RunCommand("compare_methods", lambda: run(args))
 
 
 if __name__ == "__main__":

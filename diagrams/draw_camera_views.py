@@ -28,6 +28,7 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
+from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.joint_log_source import interpolate_joints
 from pbpf_drake.log import Log
 from pbpf_drake.mcap_log_reader import ReadLog
@@ -235,12 +236,7 @@ def run(args: argparse.Namespace) -> None:
 def main(argv: list[str] | None = None) -> int:
     """Runs the script; returns its exit code."""
     args = _parse(argv)
-    try:
-        run(args)
-    except (ValueError, OSError) as error:
-        print(f"draw_camera_views: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return RunCommand("draw_camera_views", lambda: run(args))
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ import numpy as np
 from tqdm import tqdm
 
 from pbpf_drake.diagrams.planar_push_log import ReadPlanarPush
+from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.log import Log
 from pbpf_drake.mcap_log_reader import ReadLog
 from pbpf_drake.mcap_log_writer import WriteLog
@@ -161,12 +162,8 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--out", type=Path, default=Path("real_pushes.csv"))
-    try:
-        run(parser.parse_args(argv))
-    except (ValueError, OSError) as error:
-        print(f"evaluate_pushes: {error}", file=sys.stderr)
-        return 1
-    return 0
+    args = parser.parse_args(argv)
+    return RunCommand("evaluate_pushes", lambda: run(args))
 
 
 if __name__ == "__main__":

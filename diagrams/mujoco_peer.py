@@ -16,7 +16,6 @@ from pydrake.math import RigidTransform
 
 from pbpf_drake import quaternions
 from pbpf_drake.control_path import ControlPath, simplify_path
-from pbpf_drake.diagrams.benchmark_reference import Parameters
 from pbpf_drake.diagrams.peer_scene import (
     PeerLink,
     PeerObject,
@@ -24,6 +23,7 @@ from pbpf_drake.diagrams.peer_scene import (
     PeerShape,
 )
 from pbpf_drake.motion_model import MotionInput
+from pbpf_drake.physical_parameters import PhysicalParameters
 from pbpf_drake.pose_conversion import pose_array
 
 # The step of the physics (in seconds).
@@ -86,7 +86,7 @@ class MuJoCoPeer:
     def Reset(self, q: np.ndarray) -> None:
         """Needs none: every update sets the robot."""
 
-    def Prepare(self, parameters: Parameters) -> None:
+    def Prepare(self, parameters: PhysicalParameters) -> None:
         """Writes θ into the models."""
         shape = (len(self._models), len(self._bodies))
         friction = np.broadcast_to(parameters.friction, shape)

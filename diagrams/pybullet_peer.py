@@ -15,10 +15,10 @@ from xml.etree import ElementTree as xml
 import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
 
-from pbpf_drake.diagrams.benchmark_reference import Parameters
 from pbpf_drake.diagrams.peer_scene import PeerScene, PeerShape
 from pbpf_drake.diagrams.pybullet_worlds import ServeWorlds, WorldSetup
 from pbpf_drake.motion_model import MotionInput
+from pbpf_drake.physical_parameters import PhysicalParameters
 
 # Each world takes 41 MB.
 MAX_WORLDS = 300
@@ -86,7 +86,7 @@ class PyBulletPeer:
             pipe.send(("Reset", q))
         self._Receive()
 
-    def Prepare(self, parameters: Parameters) -> None:
+    def Prepare(self, parameters: PhysicalParameters) -> None:
         """Notes θ; it is written in the next update, as the authors do."""
         self._theta = np.stack(
             [

@@ -12,6 +12,7 @@ import numpy as np
 from tqdm import tqdm
 
 from pbpf_drake import quaternions
+from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.log import PoseRecord
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.scene import LoadScene, Scene
@@ -107,12 +108,7 @@ def run(args: argparse.Namespace) -> None:
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     args = _parse(argv)
-    try:
-        run(args)
-    except (ValueError, OSError) as error:
-        print(f"pbpf-record: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return RunCommand("pbpf-record", lambda: run(args))
 
 
 if __name__ == "__main__":

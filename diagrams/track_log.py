@@ -14,6 +14,7 @@ from typing import Any
 from pydrake.geometry import Meshcat, MeshcatParams
 from tqdm import tqdm
 
+from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.error_plot import PlotErrors
 from pbpf_drake.log import Log
 from pbpf_drake.mcap_log_reader import ReadLog
@@ -130,12 +131,7 @@ def run(args: argparse.Namespace) -> None:
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     args = _parse(argv)
-    try:
-        run(args)
-    except (ValueError, OSError) as error:
-        print(f"pbpf-track: {error}", file=sys.stderr)
-        return 1
-    return 0
+    return RunCommand("pbpf-track", lambda: run(args))
 
 
 if __name__ == "__main__":

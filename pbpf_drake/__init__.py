@@ -29,6 +29,7 @@ Plots are left to ``pbpf_drake.error_plot``: matplotlib takes long to import.
 
 from pbpf_drake.add_particle_filter import (
     AddParticleFilter,
+    AssembleParticleFilter,
     ConfigForMethod,
     MakeParticleFilter,
 )
@@ -96,6 +97,7 @@ __all__ = [
     "AddParticleFilter",
     "AddParticleVisualizer",
     "AddSceneModels",
+    "AssembleParticleFilter",
     "CameraConfig",
     "ConfigForMethod",
     "ConstantVelocityMotionModel",

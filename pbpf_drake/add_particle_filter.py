@@ -10,7 +10,10 @@ from pbpf_drake.particle_filter import PhysicsBasedParticleFilter
 from pbpf_drake.particle_filter_config import METHODS, ParticleFilterConfig
 from pbpf_drake.particle_filter_update import ParticleFilterUpdate
 from pbpf_drake.physics_motion_model import PhysicsMotionModel
-from pbpf_drake.prediction_model import MakePredictionModel
+from pbpf_drake.prediction_model import (
+    MakePredictionModel,
+    PredictionModel,
+)
 from pbpf_drake.scene import Scene
 from pbpf_drake.visibility import VisibilityModel
 
@@ -78,6 +81,35 @@ def MakeParticleFilter(
         visibility_model = VisibilityModel(
             scene=scene, num_rays=config.num_rays
         )
+    return AssembleParticleFilter(
+        scene=scene,
+        config=config,
+        model=model,
+        motion_model=motion_model,
+        visibility_model=visibility_model,
+        on_update=on_update,
+    )
+
+
+def AssembleParticleFilter(
+    *,
+    scene: Scene,
+    config: ParticleFilterConfig,
+    model: PredictionModel,
+    motion_model: MotionModel,
+    visibility_model: VisibilityModel | None = None,
+    on_update: Callable[[float], None] | None = None,
+) -> PhysicsBasedParticleFilter:
+    """Makes a filter of models that were made before.
+
+    Args:
+        scene: the robot, the objects and the camera.
+        config: the filter's configuration.
+        model: the prediction model of the scene.
+        motion_model: moves the particles.
+        visibility_model: makes the filter PBPF-V.
+        on_update: called after each update with its wall time (in seconds).
+    """
     tracked = scene.tracked.values()
     update = ParticleFilterUpdate(
         config=config,

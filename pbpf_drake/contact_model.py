@@ -30,6 +30,7 @@ from pydrake.multibody.tree import (
     default_model_instance,
 )
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
+from pydrake.systems.framework import Context
 
 from pbpf_drake.contact_points import MakeContactPoints, MakeCore
 from pbpf_drake.prediction_model import PredictionModel
@@ -109,8 +110,9 @@ class _Builder:
     def Build(self) -> ContactModel:
         robot = self._plant.AddModelInstance("robot")
         self._plant.set_gravity_enabled(robot, False)
+        context = self._source.CreateDefaultContext()
         for index in self._model.models.fixed:
-            self._AddFixed(index)
+            self._AddFixed(index, context)
         links = [
             self._AddLink(robot, self._model.links[i]) for i in self._links
         ]
@@ -141,9 +143,8 @@ class _Builder:
             ),
         )
 
-    def _AddFixed(self, index: BodyIndex) -> None:
-        body = self._source.get_body(index)
-        X_WB = body.EvalPoseInWorld(self._source.CreateDefaultContext())
+    def _AddFixed(self, index: BodyIndex, context: Context) -> None:
+        X_WB = self._source.get_body(index).EvalPoseInWorld(context)
         world = self._plant.world_body()
         for geometry in self._model.geometries(index):
             self._fixed.Add(self._AddWhole(world, geometry, X_WB))

@@ -49,6 +49,19 @@ directives:
 """
 
 
+def wall_at(x: float) -> str:
+    """Returns directives for a wall whose face is at x."""
+    return f"""
+- add_model:
+    name: wall
+    file: package://pbpf_drake/obstacles/scene_4_support.sdf
+- add_weld:
+    parent: world
+    child: wall::scene_4_support
+    X_PC: {{translation: [{x + 0.1035}, 0.0, 0.08405]}}
+"""
+
+
 def make_scene(
     tracked: Mapping[str, str],
     *,

@@ -7,17 +7,19 @@ from sliding_fixtures import GRAVITY, slide
 
 from pbpf_drake import quaternions
 from pbpf_drake.diagrams.benchmark_reference import (
-    Parameters,
     PredictReference,
     PredictSamples,
     Sample,
     compare,
-    draw_parameters,
     make_samples,
     pushed_share,
 )
 from pbpf_drake.motion_model import MotionResult
 from pbpf_drake.particle_filter_config import PhysicalParametersConfig
+from pbpf_drake.physical_parameters import (
+    PhysicalParameters,
+    SamplePhysicalParameters,
+)
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import LoadScene
 
@@ -40,7 +42,9 @@ def test_samples_are_spread_over_updates_and_parameters(motion):
     samples = make_samples(motions, config, 20)
     assert [s.update for s in samples] == list(range(1, 40, 2))
     assert [s.motion.step for s in samples] == list(range(1, 40, 2))
-    many = draw_parameters(config, (100_000,), np.random.default_rng(1))
+    many = SamplePhysicalParameters(
+        config, (100_000,), np.random.default_rng(1)
+    )
     for name in ("friction", "mass", "dissipation"):
         found = np.sort([getattr(s.parameters, name) for s in samples])
         drawn = np.quantile(getattr(many, name), (np.arange(20) + 0.5) / 20)
@@ -54,7 +58,7 @@ def test_there_are_no_more_samples_than_updates(motion):
 
 def test_draws_are_not_below_their_minima():
     config = PhysicalParametersConfig()
-    drawn = draw_parameters(config, (50, 3), np.random.default_rng(0))
+    drawn = SamplePhysicalParameters(config, (50, 3), np.random.default_rng(0))
     for name in ("friction", "mass", "dissipation"):
         values = getattr(drawn, name)
         assert values.shape == (50, 3)
@@ -71,7 +75,7 @@ def test_a_sliding_object_is_slowed_by_the_friction_of_its_sample(
     model = MakePredictionModel(scene)
     frictions = (FRICTION, FRICTION / 2)
     samples = [
-        Sample(0, motion, Parameters(friction, 0.4, 50.0))
+        Sample(0, motion, PhysicalParameters(friction, 0.4, 50.0))
         for friction in frictions
     ]
     results = PredictReference(
@@ -86,7 +90,7 @@ def test_a_sliding_object_is_slowed_by_the_friction_of_its_sample(
 
 def test_the_filters_own_step_comes_near_the_reference(scene, motion):
     model = MakePredictionModel(scene)
-    samples = [Sample(0, motion, Parameters(FRICTION, 0.4, 50.0))]
+    samples = [Sample(0, motion, PhysicalParameters(FRICTION, 0.4, 50.0))]
     arguments = {"model": model, "config": scene.filter, "samples": samples}
     references = list(PredictReference(**arguments))
     poses = [result.poses for result in PredictSamples(**arguments)]
@@ -125,5 +129,5 @@ def test_the_share_of_pushed_objects_is_of_those_that_move(motion):
     start = replace(motion, poses=poses)
     end = poses.copy()
     end[1, 0, 4] += 1e-3
-    sample = Sample(0, start, Parameters(0.1, 0.1, 10.0))
+    sample = Sample(0, start, PhysicalParameters(0.1, 0.1, 10.0))
     assert pushed_share([sample], [_result(end, [False] * 4)]) == 0.25

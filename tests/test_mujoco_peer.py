@@ -7,9 +7,9 @@ import pytest
 from recording_fixtures import SCENES
 from sliding_fixtures import GRAVITY, slide
 
-from pbpf_drake.diagrams.benchmark_reference import Parameters
 from pbpf_drake.diagrams.mujoco_peer import MuJoCoPeer, make_mjcf
 from pbpf_drake.diagrams.peer_scene import ReadPeerScene
+from pbpf_drake.physical_parameters import PhysicalParameters
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import LoadScene
 from pbpf_drake.scene_models import AddSceneModels
@@ -64,7 +64,7 @@ def test_an_objects_friction_is_that_of_its_contacts(scene, model):
     friction, speed, time = np.array([0.1, 0.3]), 0.3, 0.16
     motion = slide(model, [speed, 0.0, 0.0], 2)
     dut = _make(scene, model, 2)
-    dut.Prepare(Parameters(friction[:, None], 0.4, 50.0))
+    dut.Prepare(PhysicalParameters(friction[:, None], 0.4, 50.0))
     poses = dut.Update(motion)
     dut.Close()
     time = np.minimum(time, speed / (friction * GRAVITY))
@@ -77,7 +77,7 @@ def test_an_objects_friction_is_that_of_its_contacts(scene, model):
 def test_threads_and_earlier_updates_change_nothing(scene, model):
     motion = slide(model, [0.2, 0.0, 0.0], 4)
     other = slide(model, [-0.1, 0.1, 0.0], 4)
-    theta = Parameters(0.2, 0.4, 50.0)
+    theta = PhysicalParameters(0.2, 0.4, 50.0)
     single, double = _make(scene, model, 4), _make(scene, model, 4, 2)
     single.Prepare(theta)
     double.Prepare(theta)
@@ -93,7 +93,7 @@ def test_a_heavy_object_takes_a_light_one_with_it(scene, model):
     dut = _make(scene, model, 2)
     heavy, light = 1.5, 0.1
     mass = np.array([[heavy, light, light], [light, heavy, heavy]])
-    dut.Prepare(Parameters(0.001, mass, 50.0))
+    dut.Prepare(PhysicalParameters(0.001, mass, 50.0))
     moved = (dut.Update(motion) - motion.poses)[..., 5]
     dut.Close()
     assert moved[0, 1] > 0.02

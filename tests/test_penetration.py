@@ -6,6 +6,7 @@ from physics_fixtures import (
     PROBE_RADIUS,
     Simulation,
     make_model,
+    wall_at,
 )
 import pytest
 
@@ -17,16 +18,6 @@ HALF_BLOCK = 0.045
 REST = HEIGHTS["block"]
 FAR = np.array([-0.7, 0.7])
 TURNED = quaternions.from_rotation_vector(np.array([0.3, -0.2, 0.5]))
-
-WALL = """
-- add_model:
-    name: wall
-    file: package://pbpf_drake/obstacles/scene_4_support.sdf
-- add_weld:
-    parent: world
-    child: wall::scene_4_support
-    X_PC: {translation: [0.3035, 0.0, 0.08405]}
-"""
 
 
 class _World:
@@ -160,7 +151,7 @@ def test_between_their_points_two_objects_touch_with_their_cores(two):
 
 def test_an_object_between_two_others_makes_way():
     """The probe, a block, a can and a wall in a row, all too close."""
-    world = _World("block", "soup", fixed=WALL)
+    world = _World("block", "soup", fixed=wall_at(0.2))
     wall, radius = 0.2, 0.03383
     can = [wall - radius + 3e-3, 0.0, 0.05]
     block = [can[0] - radius - HALF_BLOCK + 3e-3, 0.0, REST]

@@ -9,9 +9,9 @@ import pytest
 from recording_fixtures import SCENES
 from sliding_fixtures import GRAVITY, resting_robot, slide
 
-from pbpf_drake.diagrams.benchmark_reference import Parameters
 from pbpf_drake.diagrams.peer_scene import PeerShape, ReadPeerScene
 from pbpf_drake.diagrams.pybullet_peer import PyBulletPeer, make_urdf
+from pbpf_drake.physical_parameters import PhysicalParameters
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import LoadScene
 
@@ -58,7 +58,7 @@ def test_an_object_slides_and_particles_keep_their_order():
     )
     try:
         dut.Reset(resting_robot(model))
-        dut.Prepare(Parameters(friction[:, None], 0.4, 50.0))
+        dut.Prepare(PhysicalParameters(friction[:, None], 0.4, 50.0))
         poses = dut.Update(motion)
     finally:
         dut.Close()

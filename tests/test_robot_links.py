@@ -6,6 +6,7 @@ from physics_fixtures import (
     Simulation,
     make_model,
     straight_path,
+    wall_at,
 )
 from pydrake.common.eigen_geometry import Quaternion
 import pytest
@@ -17,15 +18,6 @@ from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.robot_links import RobotLinks
 from pbpf_drake.scene import LoadScene
 
-WALL = """
-- add_model:
-    name: wall
-    file: package://pbpf_drake/obstacles/scene_4_support.sdf
-- add_weld:
-    parent: world
-    child: wall::scene_4_support
-    X_PC: {translation: [0.2035, 0.0, 0.08405]}
-"""
 # The wall's face is at x = 0.1.
 AT_WALL = 0.1 - 0.045
 TOUCHING = AT_WALL - 0.045 - PROBE_RADIUS
@@ -161,7 +153,7 @@ def test_a_probe_is_not_slowed_down_by_what_it_pushes(mass):
 
 
 def test_a_probe_is_not_slowed_down_by_what_it_jams_against_a_wall():
-    model = make_model("block", fixed=WALL)
+    model = make_model("block", fixed=wall_at(0.1))
     simulation = Simulation(model, friction=0.8, mass=1.0)
     simulation.settle(FLAT, [AT_WALL - 1e-4, 0.0, HEIGHTS["block"]])
     start, speed = np.array([TOUCHING - 1e-4, 0.0]), np.array([0.02, 0.0])
