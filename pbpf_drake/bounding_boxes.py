@@ -4,7 +4,7 @@ Only what may come near an object has to be part of its simulation.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from pydrake.geometry import GeometryId, SceneGraphInspector
@@ -29,6 +29,12 @@ class BoundingBoxes:
     centers: np.ndarray
     axes: np.ndarray
     half_sizes: np.ndarray
+
+    def subset(self, chosen: np.ndarray) -> "BoundingBoxes":
+        """Returns the boxes that are chosen, (G,) bool."""
+        return BoundingBoxes(
+            *(getattr(self, f.name)[chosen] for f in fields(self))
+        )
 
     def frames(self, X_WB: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Returns centers (..., G, 3) and axes (..., G, 3, 3) in the world.

@@ -20,6 +20,7 @@ from pydrake.geometry import (
     Sphere,
 )
 from pydrake.math import RigidTransform
+from pydrake.multibody.plant import ContactModel as PlantContactModel
 from pydrake.multibody.plant import CoulombFriction
 from pydrake.multibody.tree import (
     BodyIndex,
@@ -97,6 +98,7 @@ class _Builder:
         self._inspector = model.diagram.scene_graph().model_inspector()
         self._builder = RobotDiagramBuilder(time_step=0.0)
         self._plant = self._builder.plant()
+        self._plant.set_contact_model(PlantContactModel.kPoint)
         self._robot = GeometrySet()
         self._fixed = GeometrySet()
         self._fixed_points = GeometrySet()

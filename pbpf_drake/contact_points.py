@@ -29,7 +29,7 @@ _RIM_POINTS = 8
 # Points that stand for the vertices of a convex hull.
 _HULL_POINTS = 16
 # How much smaller than the shape its core is, on every side (in meters).
-_INSET = 1e-3
+INSET = 1e-3
 
 
 @dataclass(frozen=True)
@@ -69,13 +69,13 @@ def MakeCore(shape: Shape) -> Shape | None:
     Returns:
         The core; None for a shape that is its own core.
     """
-    if isinstance(shape, Box) and min(shape.size()) > 4 * _INSET:
-        return Box(*(shape.size() - 2 * _INSET))
+    if isinstance(shape, Box) and min(shape.size()) > 4 * INSET:
+        return Box(*(shape.size() - 2 * INSET))
     if isinstance(shape, Cylinder) and (
-        min(shape.radius(), shape.length()) > 4 * _INSET
+        min(shape.radius(), shape.length()) > 4 * INSET
     ):
         return Cylinder(
-            radius=shape.radius() - _INSET, length=shape.length() - 2 * _INSET
+            radius=shape.radius() - INSET, length=shape.length() - 2 * INSET
         )
     return None
 

@@ -55,14 +55,14 @@ def simplify_path(path: ControlPath, tolerance: float) -> ControlPath:
         tolerance: largest error of any joint (in radians or meters).
     """
     t, q = path.times, path.positions
-    keep = sorted({0, len(t) - 1})
-    while True:
-        kept = np.stack(
-            [np.interp(t, t[keep], q[keep, j]) for j in range(q.shape[1])],
-            axis=1,
-        )
-        error = np.max(np.abs(kept - q), axis=1)
+    keep = [0, len(t) - 1]
+    while len(t) > 2:
+        segment = np.searchsorted(t[keep[1:-1]], t, side="right")
+        a, b = np.array(keep)[segment], np.array(keep)[segment + 1]
+        u = (t - t[a]) / (t[b] - t[a])
+        error = np.abs(q[a] + u[:, None] * (q[b] - q[a]) - q).max(axis=1)
         worst = int(np.argmax(error))
         if error[worst] <= tolerance or worst in keep:
             return ControlPath(t[keep], q[keep])
         keep = sorted([*keep, worst])
+    return path

@@ -163,7 +163,7 @@ class ParticleFilterConfig:
     # (in m/s): nothing that is pushed or tilted does.
     max_speed: float = 2.0
     # The longest step of the physics (in seconds) ...
-    time_step: float = 0.02
+    time_step: float = 0.04
     # ... and how far things may move within one (in meters).
     max_travel: float = 0.001
     # All randomness is a pure function of this and of the step.

@@ -17,7 +17,7 @@ from pbpf_drake.contact_points import REST_DEPTH
 
 # What is left of a penetration (in meters). Of one by what may carry an object
 # it is that of an object at rest, or it would fall.
-_TOUCH = 8e-5
+TOUCH = 8e-5
 # What is deeper than this times as much is pushed out.
 _TOLERANCE = 1.25
 # Each push makes some way for one contact; a box between hand, table and
@@ -28,37 +28,52 @@ _MAX_PUSHES = 10
 _MIN_SLIDE = 0.5
 
 
-def push_out(
-    model: ContactModel, context: Context, q: np.ndarray, supports: np.ndarray
-) -> np.ndarray:
-    """Returns q with the objects moved out of links, models and each other.
-
-    Of two objects that penetrate, each goes half the way. Rotations are kept.
+class PenetrationResolver:
+    """Moves objects out of links, fixed models and each other.
 
     Args:
         model: the contact model.
         context: a root context of its diagram, overwritten.
-        q: (nq,) positions of its plant; the links' are kept.
-        supports: (K, 3) normals of what the objects stand on, or zeros.
     """
-    q = q.copy()
-    for _ in range(_MAX_PUSHES):
-        deepest = _deepest(model, _penetrations(model, context, q))
-        if deepest is None:
-            break
-        _push(model, q, *deepest, supports)
-    return q
+
+    def __init__(self, model: ContactModel, context: Context) -> None:
+        plant, scene_graph = model.diagram.plant(), model.diagram.scene_graph()
+        self._model = model
+        self._plant = plant
+        self._context = plant.GetMyMutableContextFromRoot(context)
+        self._geometry = scene_graph.GetMyContextFromRoot(context)
+        self._query = scene_graph.get_query_output_port()
+
+    def PushOut(self, q: np.ndarray, supports: np.ndarray) -> np.ndarray:
+        """Returns q with the objects moved.
+
+        Of two objects that penetrate, each goes half the way. Rotations are
+        kept.
+
+        Args:
+            q: (nq,) positions of the model's plant; the links' are kept.
+            supports: (K, 3) normals of what the objects stand on, or zeros.
+        """
+        q = q.copy()
+        for _ in range(_MAX_PUSHES):
+            self._plant.SetPositions(self._context, q)
+            query = self._query.Eval(self._geometry)
+            pairs = query.ComputePointPairPenetration()
+            deepest = _deepest(self._model, pairs)
+            if deepest is None:
+                break
+            _push(self._model, q, *deepest, supports)
+        return q
 
 
-def _penetrations(
-    model: ContactModel, context: Context, q: np.ndarray
-) -> list[PenetrationAsPointPair]:
-    plant, scene_graph = model.diagram.plant(), model.diagram.scene_graph()
-    plant.SetPositions(plant.GetMyMutableContextFromRoot(context), q)
-    query = scene_graph.get_query_output_port().Eval(
-        scene_graph.GetMyContextFromRoot(context)
-    )
-    return query.ComputePointPairPenetration()
+def is_too_deep(depth: np.ndarray, upwards: np.ndarray) -> np.ndarray:
+    """Returns which penetrations by fixed models or objects are too deep.
+
+    Args:
+        depth: (...) of the penetrations (in meters).
+        upwards: (...) the z components of their normals.
+    """
+    return depth > _TOLERANCE * np.maximum(TOUCH, REST_DEPTH * np.abs(upwards))
 
 
 def _deepest(
@@ -66,15 +81,13 @@ def _deepest(
 ) -> tuple[PenetrationAsPointPair, float] | None:
     """Returns what is the most too deep, and how far it has to be pushed."""
     deepest, most = None, 0.0
+    links = model.link_geometries
     for pair in pairs:
-        depth = pair.depth
-        left = _TOUCH
-        if depth <= _TOLERANCE * left + most:
+        depth, left = pair.depth, TOUCH
+        if depth <= _TOLERANCE * TOUCH + most:
             continue
-        if pair.id_A not in model.link_geometries and (
-            pair.id_B not in model.link_geometries
-        ):
-            left = max(_TOUCH, REST_DEPTH * abs(pair.nhat_BA_W[2]))
+        if pair.id_A not in links and pair.id_B not in links:
+            left = max(TOUCH, REST_DEPTH * abs(float(pair.nhat_BA_W[2])))
         if depth - _TOLERANCE * left > most:
             deepest, most = (pair, depth - left), depth - _TOLERANCE * left
     return deepest

@@ -4,7 +4,7 @@ x̄ = f_θ(x, u): every particle has a context of the contact model that was
 cloned with a θ of its own; links and objects are set, and physics runs.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,11 +14,19 @@ from pydrake.systems.framework import Context
 from pbpf_drake import quaternions
 from pbpf_drake.bounding_boxes import MakeBoundingBoxes
 from pbpf_drake.contact_model import ContactModel, MakeContactModel
-from pbpf_drake.link_reach import links_in_reach
+from pbpf_drake.fixed_contacts import FixedContacts
+from pbpf_drake.link_reach import link_distances
 from pbpf_drake.motion_model import MotionInput, MotionResult
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
-from pbpf_drake.particle_simulation import choose_time_step, simulate
-from pbpf_drake.penetration import push_out
+from pbpf_drake.particle_simulation import (
+    MakeParticleSimulator,
+    choose_time_step,
+    make_states,
+    simulate,
+    split_states,
+)
+from pbpf_drake.penetration import TOUCH, PenetrationResolver
+from pbpf_drake.penetration_check import PenetrationCheck
 from pbpf_drake.physical_parameters import (
     PhysicalParameters,
     SamplePhysicalParameters,
@@ -28,7 +36,7 @@ from pbpf_drake.prediction_model import PredictionModel
 from pbpf_drake.prediction_pool import Links, PredictionPool
 from pbpf_drake.random_streams import MakeGenerator, Stream
 from pbpf_drake.robot_links import LinkMotion, RobotLinks
-from pbpf_drake.support import Contact, find_contacts, find_supports
+from pbpf_drake.support import find_supports
 
 # A link that stays further away than this from where an object can be is not
 # simulated (in meters).
@@ -73,6 +81,8 @@ class PhysicsMotionModel:
             [model.geometries(body) for body in model.models.objects],
         )
         self._radii = self._objects.radii(len(model.models.objects))
+        self._contacts = FixedContacts(model)
+        self._check = PenetrationCheck(model=model, contacts=self._contacts)
         self._contact_models: dict[Links, ContactModel] = {}
         self._parameters = SamplePhysicalParameters(
             config.physics,
@@ -111,17 +121,29 @@ class PhysicsMotionModel:
         links = self._links.Motion(motion.path, scratch.kinematics)
         speeds = self._Speeds(motion)
         margin = _REACH + links.travel + speeds * links.times[-1]
-        outcome = _Outcome(motion)
-        for chosen, members in self._Groups(
+        velocities = np.where(motion.active[:, None], motion.velocities, 0.0)
+        steps = choose_time_step(
+            np.maximum(speeds, links.speed),
+            max_travel=self._config.max_travel,
+            max_step=self._config.time_step,
+        )
+        poses = self._Park(motion.poses, motion.active)
+        end = np.full_like(poses, np.nan), np.full_like(velocities, np.nan)
+        distances = self._Distances(
             motion.poses, motion.active, links.poses, margin
-        ):
-            scratch.pool.Run(
-                self._Simulation(
-                    motion, links.of(chosen), speeds, chosen, scratch, outcome
-                ),
-                members,
+        )
+        everyone = np.ones(len(poses), dtype=bool)
+        for chosen, members in _groups(distances, everyone):
+            end[0][members], end[1][members] = self._Simulate(
+                chosen,
+                scratch.pool,
+                poses=poses[members],
+                velocities=velocities[members],
+                links=links.of(chosen),
+                time_steps=steps[members],
+                draws=self.assignment(motion.step)[members],
             )
-        return outcome.Result(motion, self._config.max_speed)
+        return self._Result(motion, *end)
 
     def ResolvePenetration(
         self,
@@ -133,36 +155,34 @@ class PhysicsMotionModel:
     ) -> np.ndarray:
         """Pushes the objects out of what they penetrate; see MotionModel."""
         link_poses = self._links.Poses(robot_positions, scratch.kinematics)
-        margin = np.full(len(poses), _REACH)
-        resolved = poses.copy()
-        for chosen, members in self._Groups(
-            poses, active, link_poses[None], margin
-        ):
+        distances = self._Distances(
+            poses, active, link_poses[None], np.full(len(poses), _REACH)
+        )
+        deep = (distances < -TOUCH).any(axis=1)
+        deep |= self._check.MayPenetrate(poses, active)
+        resolved, parked = poses.copy(), self._Park(poses, active)
+        for chosen, members in _groups(distances, deep):
             model = self._ContactModel(chosen)
             simulator = scratch.pool.Simulators(chosen).Get(0)
-            context = simulator.get_mutable_context()
+            resolver = PenetrationResolver(
+                model, simulator.get_mutable_context()
+            )
             q = np.zeros(model.diagram.plant().num_positions())
             q[model.link_q] = link_poses[list(chosen)]
-            parked = self._Park(poses, active)
             for m in members:
                 q[model.object_q] = parked[m]
-                free = push_out(model, context, q, supports[m])[model.object_q]
+                free = resolver.PushOut(q, supports[m])[model.object_q]
                 resolved[m, active] = free[active]
         return resolved
 
-    def _Groups(
+    def _Distances(
         self,
         poses: np.ndarray,
         active: np.ndarray,
         link_poses: np.ndarray,
         margin: np.ndarray,
-    ) -> Iterator[tuple[Links, list[int]]]:
-        """Yields links and the particles that they come near, then the rest.
-
-        All that are near any link get the same links: each set of links costs
-        M contexts.
-        """
-        near = links_in_reach(
+    ) -> np.ndarray:
+        return link_distances(
             objects=self._objects,
             poses=poses,
             active=active,
@@ -170,11 +190,6 @@ class PhysicsMotionModel:
             link_poses=link_poses,
             margin=margin,
         )
-        chosen = tuple(int(j) for j in np.flatnonzero(near.any(axis=0)))
-        reached = near.any(axis=1)
-        for links, members in ((chosen, reached), ((), ~reached)):
-            if members.any():
-                yield links, [int(m) for m in np.flatnonzero(members)]
 
     def _Speeds(self, motion: MotionInput) -> np.ndarray:
         """Returns the highest speed of any corner of a particle, (M,)."""
@@ -184,47 +199,66 @@ class PhysicsMotionModel:
         corners = speed + spin * self._radii[motion.active]
         return corners.max(axis=1, initial=0.0)
 
-    def _Simulation(
+    def _Simulate(
         self,
-        motion: MotionInput,
-        links: LinkMotion,
-        speeds: np.ndarray,
         chosen: Links,
-        scratch: PhysicsScratch,
-        outcome: "_Outcome",
-    ) -> Callable[[int], None]:
-        """Returns what simulates a particle, and writes to the outcome."""
-        model = self._ContactModel(chosen)
-        simulators = scratch.pool.Simulators(chosen)
-        draws, active = self.assignment(motion.step), motion.active
-        poses = self._Park(motion.poses, active)
-        velocities = np.where(active[:, None], motion.velocities, 0.0)
-        steps = choose_time_step(
-            np.maximum(speeds, links.speed),
-            max_travel=self._config.max_travel,
-            max_step=self._config.time_step,
+        pool: PredictionPool,
+        *,
+        poses: np.ndarray,
+        velocities: np.ndarray,
+        links: LinkMotion,
+        time_steps: np.ndarray,
+        draws: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Returns where m particles go, (m, K, 7) and (m, K, 6).
+
+        Both are NaN where the simulation failed.
+        """
+        model, simulators = self._ContactModel(chosen), pool.Simulators(chosen)
+        states = make_states(
+            model, poses=poses, velocities=velocities, links=links
         )
 
         def simulate_one(m: int) -> None:
-            simulator = simulators.Get(draws[m])
             try:
-                outcome.poses[m], outcome.velocities[m] = simulate(
+                states[m] = simulate(
                     model,
-                    simulator,
-                    poses=poses[m],
-                    velocities=velocities[m],
+                    simulators.Get(draws[m]),
+                    state=states[m],
                     links=links,
-                    time_step=float(steps[m]),
-                )
-                outcome.contacts[m] = find_contacts(
-                    model, simulator.get_context()
+                    time_step=time_steps[m],
                 )
             # The solver gave up on this particle; Drake's own assertions are
             # of the second type. What it left behind must not be used again.
             except (RuntimeError, SystemExit):
                 simulators.Discard(draws[m])
+                states[m] = np.nan
 
-        return simulate_one
+        pool.Run(simulate_one, range(len(states)))
+        return split_states(model, states)
+
+    def _Result(
+        self, motion: MotionInput, poses: np.ndarray, velocities: np.ndarray
+    ) -> MotionResult:
+        """Returns the result, in which what failed has its old pose."""
+        active = motion.active[:, None]
+        finite = np.isfinite(poses).all(axis=(1, 2))
+        finite &= np.isfinite(velocities).all(axis=(1, 2))
+        speed = np.linalg.norm(velocities[..., 3:], axis=-1)
+        with np.errstate(invalid="ignore"):
+            fast = speed > self._config.max_speed
+        failed = ~finite | fast[:, motion.active].any(axis=1)
+        keep = failed[:, None, None] | ~active
+        with np.errstate(invalid="ignore", divide="ignore"):
+            poses[..., :4] = quaternions.normalize(poses[..., :4])
+        poses = np.where(keep, motion.poses, poses)
+        contacts = self._contacts.Find(np.where(keep, np.nan, poses))
+        return MotionResult(
+            poses=poses,
+            velocities=np.where(keep, motion.velocities, velocities),
+            supports=find_supports(contacts, *poses.shape[:2]),
+            failed=failed,
+        )
 
     def _ContactModel(self, links: Links) -> ContactModel:
         if links not in self._contact_models:
@@ -243,7 +277,7 @@ class PhysicsMotionModel:
                 mass=self._parameters.mass[index, k],
                 dissipation=self._parameters.dissipation[index, k],
             )
-        return Simulator(model.diagram, context)
+        return MakeParticleSimulator(model, context)
 
     def _Park(self, poses: np.ndarray, active: np.ndarray) -> np.ndarray:
         """Returns (M, K, 7), with objects that aren't tracked yet away."""
@@ -253,31 +287,21 @@ class PhysicsMotionModel:
         return poses
 
 
-class _Outcome:
-    """What became of the particles; NaN where the simulation failed."""
+def _groups(
+    distances: np.ndarray, which: np.ndarray
+) -> Iterator[tuple[Links, np.ndarray]]:
+    """Yields links and the particles that they come near, then the rest.
 
-    def __init__(self, motion: MotionInput) -> None:
-        self.poses = np.full_like(motion.poses, np.nan)
-        self.velocities = np.full_like(motion.velocities, np.nan)
-        self.contacts: list[list[Contact]] = [[] for _ in motion.poses]
+    All that are near any link get the same links: each set of links costs
+    M contexts.
 
-    def Result(self, motion: MotionInput, max_speed: float) -> MotionResult:
-        """Returns the result, in which what failed has its old pose."""
-        active = motion.active[:, None]
-        speed = np.linalg.norm(self.velocities[..., 3:], axis=-1)
-        finite = np.isfinite(self.poses).all(axis=-1)
-        finite &= np.isfinite(self.velocities).all(axis=-1)
-        failed = ~finite.all(axis=1)
-        failed |= (speed > max_speed)[:, motion.active].any(axis=1)
-        keep = failed[:, None, None] | ~active
-        poses = np.where(keep, motion.poses, self.poses)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            q = quaternions.normalize(self.poses[..., :4])
-        poses[..., :4] = np.where(keep, motion.poses[..., :4], q)
-        supports = find_supports(self.contacts, motion.poses.shape[1])
-        return MotionResult(
-            poses=poses,
-            velocities=np.where(keep, motion.velocities, self.velocities),
-            supports=np.where(failed[:, None, None], 0.0, supports),
-            failed=failed,
-        )
+    Args:
+        distances: (M, L) from link_distances.
+        which: (M,) the particles in question.
+    """
+    near = np.isfinite(distances) & which[:, None]
+    chosen = tuple(int(j) for j in np.flatnonzero(near.any(axis=0)))
+    reached = near.any(axis=1)
+    for links, members in ((chosen, reached), ((), which & ~reached)):
+        if members.any():
+            yield links, np.flatnonzero(members)

@@ -12,6 +12,7 @@ from pydrake.geometry import GeometryId, Role
 from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 
+from pbpf_drake.pose_conversion import pose_array
 from pbpf_drake.robot_joints import RobotJointNames
 from pbpf_drake.scene import Scene
 from pbpf_drake.scene_models import AddSceneModels, SceneModels
@@ -40,6 +41,16 @@ class PredictionModel:
     def geometries(self, body: BodyIndex) -> list[GeometryId]:
         """Returns the collision geometries of a body."""
         return _geometries(self.diagram, body)
+
+    def fixed_poses(self) -> np.ndarray:
+        """Returns the poses of the fixed bodies in the world, (F, 7)."""
+        plant = self.diagram.plant()
+        context = plant.CreateDefaultContext()
+        poses = [
+            pose_array(plant.get_body(body).EvalPoseInWorld(context))
+            for body in self.models.fixed
+        ]
+        return np.reshape(poses, (-1, 7))
 
 
 def MakePredictionModel(scene: Scene) -> PredictionModel:

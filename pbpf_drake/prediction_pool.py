@@ -7,11 +7,7 @@ it has no memory, and a copy of it is simply an empty one.
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-from pydrake.systems.analysis import (
-    ApplySimulatorConfig,
-    Simulator,
-    SimulatorConfig,
-)
+from pydrake.systems.analysis import Simulator
 
 # Which links of the robot a simulator has.
 Links = tuple[int, ...]
@@ -91,28 +87,3 @@ class Simulators:
     def Discard(self, index: int) -> None:
         """Makes the particle's next simulator a new one."""
         self._kept.pop(index, None)
-
-
-def ResetIntegrator(simulator: Simulator, time_step: float) -> None:
-    """Gives a simulator an integrator that remembers nothing.
-
-    It takes fixed steps with the convex solver of Drake's CENIC integrator.
-    Error control costs three times as much per step, and misses contacts
-    that begin within a long one.
-
-    CENIC takes a step that starts at the same time as its last one for a
-    second attempt at that step, and reuses the state of then, even if the
-    simulator was initialized in between.
-
-    Args:
-        simulator: of a contact model.
-        time_step: of the integrator (in seconds).
-    """
-    ApplySimulatorConfig(
-        SimulatorConfig(
-            integration_scheme="cenic",
-            max_step_size=time_step,
-            use_error_control=False,
-        ),
-        simulator,
-    )

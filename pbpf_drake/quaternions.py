@@ -63,17 +63,64 @@ def angle_between(p: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 def rotate(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Returns the vectors v, (..., 3), turned by q, (..., 4)."""
-    q, v = np.asarray(q), np.asarray(v)
-    t = 2 * np.cross(q[..., 1:], v)
-    return v + q[..., :1] * t + np.cross(q[..., 1:], t)
+    w, x, y, z = np.moveaxis(np.asarray(q), -1, 0)
+    vx, vy, vz = np.moveaxis(np.asarray(v), -1, 0)
+    tx, ty, tz = (
+        2 * (y * vz - z * vy),
+        2 * (z * vx - x * vz),
+        2 * (x * vy - y * vx),
+    )
+    return np.stack(
+        [
+            vx + w * tx + y * tz - z * ty,
+            vy + w * ty + z * tx - x * tz,
+            vz + w * tz + x * ty - y * tx,
+        ],
+        axis=-1,
+    )
 
 
 def to_matrix(q: np.ndarray) -> np.ndarray:
     """Returns the rotation matrices of unit quaternions, (..., 3, 3)."""
-    w, x, y, z = np.moveaxis(np.asarray(q), -1, 0)
-    entries = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    q = np.asarray(q)
+    w, x, y, z = np.moveaxis(q, -1, 0)
+    R = np.empty((*q.shape[:-1], 3, 3))
+    R[..., 0, 0] = 1 - 2 * (y * y + z * z)
+    R[..., 0, 1] = 2 * (x * y - w * z)
+    R[..., 0, 2] = 2 * (x * z + w * y)
+    R[..., 1, 0] = 2 * (x * y + w * z)
+    R[..., 1, 1] = 1 - 2 * (x * x + z * z)
+    R[..., 1, 2] = 2 * (y * z - w * x)
+    R[..., 2, 0] = 2 * (x * z - w * y)
+    R[..., 2, 1] = 2 * (y * z + w * x)
+    R[..., 2, 2] = 1 - 2 * (x * x + y * y)
+    return R
+
+
+def from_matrix(R: np.ndarray) -> np.ndarray:
+    """Returns the unit quaternions of rotation matrices (..., 3, 3), (..., 4).
+
+    Of the four columns of 4 q qᵀ, which is linear in R, the longest is taken.
+    """
+    R = np.asarray(R)
+    xx, yy, zz = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
+    wx, wy, wz = (
+        R[..., 2, 1] - R[..., 1, 2],
+        R[..., 0, 2] - R[..., 2, 0],
+        R[..., 1, 0] - R[..., 0, 1],
+    )
+    xy, xz, yz = (
+        R[..., 1, 0] + R[..., 0, 1],
+        R[..., 0, 2] + R[..., 2, 0],
+        R[..., 2, 1] + R[..., 1, 2],
+    )
+    columns = [
+        [1 + xx + yy + zz, wx, wy, wz],
+        [wx, 1 + xx - yy - zz, xy, xz],
+        [wy, xy, 1 - xx + yy - zz, yz],
+        [wz, xz, yz, 1 - xx - yy + zz],
     ]
-    return np.stack([np.stack(row, axis=-1) for row in entries], axis=-2)
+    outer = np.stack([np.stack(column, axis=-1) for column in columns], axis=-2)
+    longest = np.argmax(np.diagonal(outer, axis1=-2, axis2=-1), axis=-1)
+    q = np.take_along_axis(outer, longest[..., None, None], axis=-2)[..., 0, :]
+    return normalize(np.where(q[..., :1] < 0, -q, q))

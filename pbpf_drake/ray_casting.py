@@ -69,10 +69,13 @@ class OccluderSet:
         X_WG = [query_object.GetPoseInWorld(id) for id in self._ids]
         p_OG = np.array([X.translation() for X in X_WG]) - origin
         d = (targets - origin).reshape(-1, 3)
-        near = _near_balls(d, p_OG, self._radii)
+        may_hit = np.flatnonzero(_near_cone(d, p_OG, self._radii))
+        near = _near_balls(d, p_OG[may_hit], self._radii[may_hit])
         t = first.reshape(-1)
-        for i in np.flatnonzero(np.any(near, axis=0)):
-            rays = np.flatnonzero(near[:, i])
+        for i, rays_near in zip(may_hit, near.T, strict=True):
+            rays = np.flatnonzero(rays_near)
+            if not len(rays):
+                continue
             R_WG = X_WG[i].rotation().matrix()
             hits = self._shapes[i].intersect(-p_OG[i] @ R_WG, d[rays] @ R_WG)
             t[rays] = np.minimum(t[rays], hits)
@@ -139,6 +142,21 @@ class RayBody:
             hits = shape.intersect((o_B - p_BG) @ R_BG, d_B @ R_BG)
             t = np.minimum(t, hits)
         return t.reshape(targets.shape[:-1])
+
+
+def _near_cone(
+    d: np.ndarray, p_OG: np.ndarray, radii: np.ndarray
+) -> np.ndarray:
+    """Returns which balls any ray from 0 along d (N, 3) may hit, (G,).
+
+    All targets are within ρ of their middle, so all rays are within ρ of the
+    line to there.
+    """
+    middle = d.mean(axis=0)
+    spread = np.sqrt(np.max(np.sum((d - middle) ** 2, axis=-1)))
+    u = p_OG @ middle / max(middle @ middle, 1e-300)
+    nearest = np.clip(u, 0.0, 1.0)[:, None] * middle
+    return np.linalg.norm(p_OG - nearest, axis=-1) <= radii + spread + 1e-6
 
 
 def _near_balls(

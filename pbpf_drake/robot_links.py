@@ -14,7 +14,6 @@ from pydrake.systems.framework import Context
 from pbpf_drake import quaternions
 from pbpf_drake.bounding_boxes import BoundingBoxes, MakeBoundingBoxes
 from pbpf_drake.control_path import ControlPath, simplify_path
-from pbpf_drake.pose_conversion import pose_array
 from pbpf_drake.prediction_model import PredictionModel
 
 # How far any part of a link may be from where it was (in meters).
@@ -69,15 +68,7 @@ class RobotLinks:
             positions: (n,) of the robot's joints.
             context: of the model's plant, overwritten.
         """
-        plant = self._model.diagram.plant()
-        q = plant.GetPositions(context)
-        q[self._model.robot_q] = positions
-        plant.SetPositions(context, q)
-        poses = [
-            pose_array(plant.get_body(link).EvalPoseInWorld(context))
-            for link in self._model.links
-        ]
-        return np.reshape(poses, (-1, 7))
+        return self._Poses(np.asarray(positions)[None], context)[0]
 
     def Motion(self, path: ControlPath, context: Context) -> LinkMotion:
         """Returns how all links move while the joints follow a path.
@@ -86,7 +77,7 @@ class RobotLinks:
             path: of the joints.
             context: of the model's plant, overwritten.
         """
-        poses = np.stack([self.Poses(q, context) for q in path.positions])
+        poses = self._Poses(path.positions, context)
         corners = self.boxes.corners(poses)
         simple = simplify_path(
             ControlPath(path.times, corners.reshape(len(poses), -1)), _TOLERANCE
@@ -101,6 +92,22 @@ class RobotLinks:
             velocities=_velocities(times, poses[kept]),
             speed=float(speeds.max(initial=0.0)),
             travel=float(ways.sum(axis=0).max(initial=0.0)),
+        )
+
+    def _Poses(self, positions: np.ndarray, context: Context) -> np.ndarray:
+        """Returns poses (S, L, 7) for positions (S, n)."""
+        plant = self._model.diagram.plant()
+        port = plant.get_body_poses_output_port()
+        rows = [int(link) for link in self._model.links]
+        q = plant.GetPositions(context)
+        poses = []
+        for q[self._model.robot_q] in positions:
+            plant.SetPositions(context, q)
+            X_WB = port.Eval(context)
+            poses += [X_WB[row].GetAsMatrix34() for row in rows]
+        X = np.reshape(poses, (len(positions), len(rows), 3, 4))
+        return np.concatenate(
+            [quaternions.from_matrix(X[..., :3]), X[..., 3]], axis=-1
         )
 
 

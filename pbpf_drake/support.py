@@ -5,47 +5,18 @@ tilts it would only make it fall back. So noise is restricted to what the
 support leaves free.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
-from pydrake.systems.framework import Context
 
-from pbpf_drake.contact_model import ContactModel
+from pbpf_drake.fixed_contacts import PointContacts
 
 # A support is flat where the normals of its contacts agree (cos of 3°) ...
 _SAME_DIRECTION = 0.9986
 # ... and its contacts are this far from lying on one line (in meters).
 _SPREAD = 2e-3
-# An object, a point of it, and the normal there, towards the object.
-Contact = tuple[int, np.ndarray, np.ndarray]
-
-
-def find_contacts(model: ContactModel, context: Context) -> list[Contact]:
-    """Returns where objects touch fixed models.
-
-    A thing that carries a weight is penetrated a little, so what touches can
-    be read off the penetrations.
-
-    Args:
-        model: the contact model.
-        context: a root context of its diagram.
-    """
-    scene_graph = model.diagram.scene_graph()
-    query = scene_graph.get_query_output_port().Eval(
-        scene_graph.GetMyContextFromRoot(context)
-    )
-    contacts = []
-    for pair in query.ComputePointPairPenetration():
-        a, b = pair.id_A, pair.id_B
-        if b in model.fixed_geometries and a in model.owners:
-            contacts.append((model.owners[a], pair.p_WCa, pair.nhat_BA_W))
-        elif a in model.fixed_geometries and b in model.owners:
-            contacts.append((model.owners[b], pair.p_WCb, -pair.nhat_BA_W))
-    return contacts
 
 
 def find_supports(
-    contacts: Sequence[Sequence[Contact]], num_objects: int
+    contacts: PointContacts, num_particles: int, num_objects: int
 ) -> np.ndarray:
     """Returns the flat support of every object of M particles, (M, K, 3).
 
@@ -53,23 +24,19 @@ def find_supports(
     and are not on one line; zeros where there is no such support.
 
     Args:
-        contacts: of each particle.
+        contacts: with fixed models.
+        num_particles: M.
         num_objects: K.
     """
-    supports = np.zeros((len(contacts) * num_objects, 3))
-    flat = [
-        (m * num_objects + k, point, normal)
-        for m, of_particle in enumerate(contacts)
-        for k, point, normal in of_particle
-    ]
-    if not flat:
-        return supports.reshape(len(contacts), num_objects, 3)
-    flat.sort(key=lambda contact: contact[0])
-    owners, first = np.unique([c[0] for c in flat], return_index=True)
-    points = np.array([c[1] for c in flat])
-    normals = np.array([c[2] for c in flat])
-    supports[owners] = support_normals(points, normals, first)
-    return supports.reshape(len(contacts), num_objects, 3)
+    supports = np.zeros((num_particles * num_objects, 3))
+    owner = contacts.particles * num_objects + contacts.objects
+    if len(owner):
+        order = np.argsort(owner, kind="stable")
+        owners, first = np.unique(owner[order], return_index=True)
+        supports[owners] = support_normals(
+            contacts.points[order], contacts.normals[order], first
+        )
+    return supports.reshape(num_particles, num_objects, 3)
 
 
 def support_normals(

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 from pydrake.common.yaml import yaml_load_typed
-from pydrake.systems.analysis import Simulator
 
 from pbpf_drake import quaternions
 from pbpf_drake.contact_model import MakeContactModel
@@ -16,13 +15,13 @@ from pbpf_drake.particle_filter_config import (
     PhysicalParametersConfig,
     TruncatedGaussian,
 )
+from pbpf_drake.particle_simulation import MakeParticleSimulator
 from pbpf_drake.physical_parameters import (
     SetPhysicalParameters,
 )
 from pbpf_drake.physics_motion_model import PhysicsMotionModel
 from pbpf_drake.pose_noise import add_process_noise
 from pbpf_drake.prediction_model import MakePredictionModel, PredictionModel
-from pbpf_drake.prediction_pool import ResetIntegrator
 from pbpf_drake.robot_links import RobotLinks
 from pbpf_drake.scene import Scene
 
@@ -98,6 +97,11 @@ def make_model(*names: str, fixed: str = "") -> PredictionModel:
     return MakePredictionModel(make_scene(files, fixed=fixed))
 
 
+def _to_ticks(time: float) -> float:
+    """So that steps don't depend on when they begin."""
+    return round(time * 2**20) / 2**20
+
+
 class Simulation:
     """A context of a contact model with all links, the probe out of the way.
 
@@ -113,8 +117,8 @@ class Simulation:
         self.model = model
         self.contact = MakeContactModel(model, range(len(model.links)))
         self._time_step = time_step
-        self.simulator = Simulator(self.contact.diagram)
-        self.context = self.simulator.get_mutable_context()
+        self.context = self.contact.diagram.CreateDefaultContext()
+        self.simulator = MakeParticleSimulator(self.contact, self.context)
         self.plant = self.contact.diagram.plant()
         self.plant_context = self.plant.GetMyMutableContextFromRoot(
             self.context
@@ -161,10 +165,11 @@ class Simulation:
         self.advance(duration)
 
     def advance(self, duration: float) -> None:
-        self.context.SetTime(0.0)
-        ResetIntegrator(self.simulator, self._time_step)
-        self.simulator.Initialize()
-        self.simulator.AdvanceTo(duration, interruptible=False)
+        integrator = self.simulator.get_mutable_integrator()
+        integrator.set_maximum_step_size(_to_ticks(self._time_step))
+        self.simulator.AdvanceTo(
+            self.context.get_time() + _to_ticks(duration), interruptible=False
+        )
 
     def links(self) -> np.ndarray:
         q = self.plant.GetPositions(self.plant_context)

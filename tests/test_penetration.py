@@ -12,7 +12,7 @@ import pytest
 
 from pbpf_drake import quaternions
 from pbpf_drake.contact_points import REST_DEPTH
-from pbpf_drake.penetration import push_out
+from pbpf_drake.penetration import PenetrationResolver
 
 HALF_BLOCK = 0.045
 REST = HEIGHTS["block"]
@@ -27,6 +27,7 @@ class _World:
         self.simulation = Simulation(make_model(*names, fixed=fixed))
         self.model = self.simulation.contact
         self.context = self.simulation.context
+        self.resolver = PenetrationResolver(self.model, self.context)
 
     def push(self, *poses, robot=FAR) -> np.ndarray:
         """Returns the objects' poses afterwards, (K, 7)."""
@@ -34,7 +35,7 @@ class _World:
         q = self.simulation.plant.GetPositions(self.simulation.plant_context)
         q[self.model.object_q] = poses
         before = q.copy()
-        after = push_out(self.model, self.context, q, np.zeros((len(poses), 3)))
+        after = self.resolver.PushOut(q, np.zeros((len(poses), 3)))
         np.testing.assert_array_equal(q, before)
         np.testing.assert_array_equal(
             after[self.model.link_q], before[self.model.link_q]
@@ -172,7 +173,7 @@ def test_what_stands_on_something_is_slid_not_lifted(block, stands):
     x = HALF_BLOCK + PROBE_RADIUS / np.cos(tilt) - 6e-3
     start[model.object_q[0]] = [*FLAT, x, 0.0, REST]
     support = np.array([[0.0, 0.0, float(stands)]])
-    end = push_out(model, block.context, start, support)
+    end = PenetrationResolver(model, block.context).PushOut(start, support)
     moved = (end - start)[model.object_q[0, 4:]]
     assert moved[0] > 1e-3
     assert abs(moved[1]) < 1e-12

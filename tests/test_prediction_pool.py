@@ -1,18 +1,9 @@
 import copy
 import threading
 
-import numpy as np
-from physics_fixtures import FLAT, make_model
-from pydrake.systems.analysis import Simulator
 import pytest
 
-from pbpf_drake.contact_model import MakeContactModel
-from pbpf_drake.prediction_pool import PredictionPool, ResetIntegrator
-
-
-@pytest.fixture(scope="module")
-def model():
-    return MakeContactModel(make_model("block"), ())
+from pbpf_drake.prediction_pool import PredictionPool
 
 
 def _make_pool(num_threads: int) -> tuple[PredictionPool, list]:
@@ -94,36 +85,3 @@ def test_an_error_of_the_work_is_raised(num_threads):
     pool, _ = _make_pool(num_threads)
     with pytest.raises(ZeroDivisionError):
         pool.Run(lambda index: 1 / index, [1, 0, 2])
-
-
-@pytest.mark.parametrize(
-    ("time_step", "steps"), [(0.01, 16), (0.02, 8), (0.16, 1), (0.03, 6)]
-)
-def test_steps_are_as_long_as_they_are_said_to_be(model, time_step, steps):
-    simulator = Simulator(model.diagram)
-    ResetIntegrator(simulator, time_step)
-    simulator.Initialize()
-    simulator.AdvanceTo(0.16, interruptible=False)
-    assert simulator.get_num_steps_taken() == steps
-    assert simulator.get_context().get_time() == 0.16
-
-
-def test_an_integrator_that_was_reset_has_forgotten_its_only_step(model):
-    """Without that, a second first step at time 0 repeats the first."""
-    simulator = Simulator(model.diagram)
-    context = simulator.get_mutable_context()
-    plant = model.diagram.plant()
-    plant_context = plant.GetMyMutableContextFromRoot(context)
-    v = np.zeros(plant.num_velocities())
-    q = plant.GetPositions(plant_context)
-    q[model.object_q[0]] = [*FLAT, 0.0, 0.0, 1.0]
-    for speed in (0.5, -0.3, 0.2):
-        v[model.object_v[0, 3]] = speed
-        plant.SetPositions(plant_context, q)
-        plant.SetVelocities(plant_context, v)
-        context.SetTime(0.0)
-        ResetIntegrator(simulator, 0.01)
-        simulator.Initialize()
-        simulator.AdvanceTo(0.01, interruptible=False)
-        x = plant.GetPositions(plant_context)[model.object_q[0, 4]]
-        assert x == pytest.approx(0.01 * speed)

@@ -10,7 +10,8 @@ from physics_fixtures import (
 import pytest
 
 from pbpf_drake import quaternions
-from pbpf_drake.support import find_contacts, find_supports, support_normals
+from pbpf_drake.fixed_contacts import FixedContacts, PointContacts
+from pbpf_drake.support import find_supports, support_normals
 
 UP = np.array([0.0, 0.0, 1.0])
 # How deep a thing at rest is in what it stands on.
@@ -39,8 +40,9 @@ def simulation():
 
 
 def _found(simulation) -> np.ndarray:
-    contacts = find_contacts(simulation.contact, simulation.context)
-    (supports,) = find_supports([contacts], 2)
+    poses = np.array([[simulation.pose(k) for k in range(2)]])
+    contacts = FixedContacts(simulation.model).Find(poses)
+    (supports,) = find_supports(contacts, 1, 2)
     return supports
 
 
@@ -50,6 +52,10 @@ def _normal(points, normals) -> np.ndarray:
         np.array(points, float), np.array(normals, float), np.array([0])
     )
     return normal
+
+
+def _contacts(rows) -> PointContacts:
+    return PointContacts(*(np.array(c) for c in zip(*rows, strict=True)))
 
 
 def _supports(simulation, block, can=(*FLAT, 0.0, 0.0, 2.0)) -> np.ndarray:
@@ -106,13 +112,18 @@ def test_groups_of_contacts_do_not_influence_each_other():
         (2, 0): [(triangle[0], UP)],
         (2, 1): list(zip(triangle, np.eye(3), strict=True)),
     }
-    contacts = [[] for _ in range(4)]
-    for (m, k), of_group in reversed(groups.items()):
-        contacts[m] += [(k, *contact) for contact in of_group]
+    contacts = [
+        (m, k, point, normal, 1e-3)
+        for (m, k), of_group in reversed(groups.items())
+        for point, normal in of_group
+    ]
     expected = np.zeros((4, 2, 3))
     expected[0, 1], expected[1, 0] = UP, -UP
-    np.testing.assert_array_equal(find_supports(contacts, 2), expected)
-    assert not np.any(find_supports([[], []], 3))
+    np.testing.assert_array_equal(
+        find_supports(_contacts(contacts), 4, 2), expected
+    )
+    none = FixedContacts(make_model("block")).Find(np.full((2, 1, 7), np.nan))
+    assert not np.any(find_supports(none, 2, 1))
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.4, 2.0])

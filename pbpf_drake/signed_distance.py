@@ -1,0 +1,129 @@
+"""How far points are from Drake's shapes, and in which direction.
+
+For contacts of small spheres, of all particles at once. A mesh counts as its
+convex hull, as in Drake's point contact.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from pydrake.geometry import (
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    HalfSpace,
+    Mesh,
+    PolygonSurfaceMesh,
+    Shape,
+    Sphere,
+)
+
+# From points (..., 3) in the shape's frame (in meters) to their distances
+# (...) from its surface, negative inside, and the unit normals (..., 3) there.
+SignedDistance = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+_TINY = 1e-300
+
+
+def MakeSignedDistance(shape: Shape) -> SignedDistance:
+    """Returns the distance function of a shape.
+
+    It is exact, but for two kinds: of an ellipsoid it is to first order near
+    the surface, and of a hull it is too small where an edge or a corner is
+    nearest.
+
+    Raises:
+        ValueError: the shape has no volume that Drake could collide with.
+        RuntimeError: the file of a mesh can't be read.
+    """
+    match shape:
+        case Box():
+            half = 0.5 * np.asarray(shape.size())
+            return lambda p: _box(p, half)
+        case Sphere():
+            return lambda p: _ball(p, shape.radius())
+        case Ellipsoid():
+            axes = np.array([shape.a(), shape.b(), shape.c()])
+            return lambda p: _ellipsoid(p, axes)
+        case Cylinder():
+            size = np.array([shape.radius(), 0.5 * shape.length()])
+            return lambda p: _cylinder(p, size)
+        case Capsule():
+            radius, half_length = shape.radius(), 0.5 * shape.length()
+            return lambda p: _capsule(p, radius, half_length)
+        case HalfSpace():
+            return lambda p: _polytope(p, np.eye(3)[2:], np.zeros(1))
+        case Convex() | Mesh():
+            normals, offsets = _faces(shape.GetConvexHull())
+            return lambda p: _polytope(p, normals, offsets)
+    raise ValueError(
+        f"nothing has a distance from {shape}; expected a Box, Sphere, "
+        "Ellipsoid, Cylinder, Capsule, HalfSpace, Convex or Mesh"
+    )
+
+
+def _unit(v: np.ndarray) -> np.ndarray:
+    length = np.linalg.norm(v, axis=-1, keepdims=True)
+    return v / np.maximum(length, _TINY)
+
+
+def _box(p: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    beyond = np.abs(p) - half
+    nearest = np.argmax(beyond, axis=-1)
+    deepest = np.max(beyond, axis=-1)
+    side = np.where(p < 0, -1.0, 1.0)
+    outside = np.maximum(beyond, 0.0)
+    is_outside = deepest > 0
+    distance = np.where(is_outside, np.linalg.norm(outside, axis=-1), deepest)
+    face = np.eye(p.shape[-1])[nearest]
+    normal = side * np.where(is_outside[..., None], _unit(outside), face)
+    return distance, normal
+
+
+def _ball(p: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    return np.linalg.norm(p, axis=-1) - radius, _unit(p)
+
+
+def _ellipsoid(
+    p: np.ndarray, axes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    scaled = np.linalg.norm(p / axes, axis=-1)
+    gradient = p / axes**2 / np.maximum(scaled, _TINY)[..., None]
+    slope = np.maximum(np.linalg.norm(gradient, axis=-1), _TINY)
+    return (scaled - 1) / slope, _unit(gradient)
+
+
+def _cylinder(p: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A box in the plane through the axis and the point."""
+    radial = np.linalg.norm(p[..., :2], axis=-1)
+    distance, normal = _box(np.stack([radial, p[..., 2]], axis=-1), size)
+    outwards = p[..., :2] / np.maximum(radial, _TINY)[..., None]
+    return distance, np.concatenate(
+        [outwards * normal[..., :1], normal[..., 1:]], axis=-1
+    )
+
+
+def _capsule(
+    p: np.ndarray, radius: float, half_length: float
+) -> tuple[np.ndarray, np.ndarray]:
+    offset = p.copy()
+    offset[..., 2] -= np.clip(p[..., 2], -half_length, half_length)
+    return _ball(offset, radius)
+
+
+def _polytope(
+    p: np.ndarray, normals: np.ndarray, offsets: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    beyond = p @ normals.T - offsets
+    nearest = np.argmax(beyond, axis=-1)
+    return np.max(beyond, axis=-1), normals[nearest]
+
+
+def _faces(hull: PolygonSurfaceMesh) -> tuple[np.ndarray, np.ndarray]:
+    """Returns unit normals (F, 3) and distances (F,) of the faces' planes."""
+    faces = range(hull.num_faces())
+    normals = np.array([hull.face_normal(f) for f in faces])
+    corners = np.array([hull.vertex(hull.element(f).vertex(0)) for f in faces])
+    return normals, np.einsum("fi,fi->f", normals, corners)
