@@ -70,7 +70,7 @@ def _plain_code(source: str) -> str:
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list) and body and _is_text(body[0]):
-            body[0] = ast.Pass()
+            del body[0]
     return ast.dump(tree)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from pbpf_drake.diagrams.evaluation import METRICS
 from pbpf_drake.diagrams.paper_rows import Row, ratio_to_dope
-from pbpf_drake.diagrams.paper_values import METHOD_TITLES
+from pbpf_drake.diagrams.paper_values import METHOD_TITLES, SCENES
 from pbpf_drake.diagrams.text_tables import (
     format_csv,
     format_grid,
@@ -53,15 +53,27 @@ def format_tables(rows: Sequence[Row], *, markdown: bool) -> str:
         rows: from make_rows.
         markdown: else plain text.
     """
-    parts = []
-    for title, chosen in (
-        ("Table 1: one object", [r for r in rows if r.scene != "scene_5"]),
-        ("Table 2: several objects", [r for r in rows if r.scene == "scene_5"]),
-    ):
-        if chosen:
-            grid = [_TITLES, *(_cells(rows, row) for row in chosen)]
-            parts.append(f"{title}\n\n{format_grid(grid, markdown=markdown)}")
-    return "\n\n".join(parts)
+    groups: dict[str, list[Row]] = {
+        "Table 1": [],
+        "Table 2": [],
+        "Scenes of one's own": [],
+    }
+    for row in rows:
+        in_paper = "Table 2" if row.scene == "scene_5" else "Table 1"
+        own = row.scene not in SCENES
+        groups["Scenes of one's own" if own else in_paper].append(row)
+    return "\n\n".join(
+        f"{title}\n\n{_format_rows(rows, chosen, markdown=markdown)}"
+        for title, chosen in groups.items()
+        if chosen
+    )
+
+
+def _format_rows(
+    rows: Sequence[Row], chosen: Sequence[Row], *, markdown: bool
+) -> str:
+    grid = [_TITLES, *(_cells(rows, row) for row in chosen)]
+    return format_grid(grid, markdown=markdown)
 
 
 def format_metrics(rows: Sequence[Row], *, markdown: bool) -> str:

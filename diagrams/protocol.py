@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 import functools
+import math
 
 from pbpf_drake.diagrams.evaluation import (
     Evaluation,
@@ -51,6 +52,10 @@ class Protocol:
                 raise ValueError(
                     f"--{name} is {value}; expected between 1 and 1000"
                 )
+        if self.duration is not None and not 0 < self.duration < math.inf:
+            raise ValueError(
+                f"--duration is {self.duration:g}; expected more than 0"
+            )
         names = [scene_name(scene) for scene in self.scenes]
         if len(set(names)) < len(names):
             raise ValueError(
