@@ -18,7 +18,7 @@ from pbpf_drake.diagrams.evaluation import Result
 
 _CONFIDENCE = 0.95
 _RESAMPLES = 9999
-_BAND_RESAMPLES = 1000
+_BAND_RESAMPLES = 4000
 # With fewer, all may differ to the same side by chance more often than one
 # time in twenty: 2 / 2^6 is the first that is below.
 _FEWEST = 6

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+import sys
 from typing import Any
 
 from tqdm import tqdm
@@ -53,7 +54,7 @@ def RunStoredJobs(
         else:
             results[stored.job.name] = data
     for note in store.notes:
-        tqdm.write(note)
+        tqdm.write(note, file=sys.stderr)
     store.notes.clear()
     failures: list[Failure] = []
     with _make_bar(stored_jobs, missing, title) as bar:

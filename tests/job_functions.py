@@ -31,10 +31,12 @@ def wait_for(seconds: float, value: int) -> int:
     return value
 
 
-def announce_and_wait(folder: str, seconds: float, value: int) -> int:
-    """Says in which process it runs, and goes on for a while."""
+def announce_and_wait(folder: str, value: int) -> int:
+    """Says in which process it runs, and goes on when a file "go" is there."""
     (Path(folder) / f"{value}-{os.getpid()}").touch()
-    time.sleep(seconds)
+    end = time.monotonic() + 120
+    while not (Path(folder) / "go").exists() and time.monotonic() < end:
+        time.sleep(0.02)
     return value
 
 
