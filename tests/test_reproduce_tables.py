@@ -125,6 +125,27 @@ def test_a_damaged_result_is_computed_again_and_that_is_said(
     assert f"{path} is damaged; it is made again" in capsys.readouterr().err
 
 
+def test_a_cluster_finds_the_same_to_the_bit(reproduced, tmp_path):
+    distributed = pytest.importorskip(
+        "distributed", reason="the extra 'cluster' is not installed"
+    )
+    folder, _, _ = reproduced
+    with distributed.LocalCluster(
+        n_workers=2,
+        threads_per_worker=1,
+        dashboard_address=None,
+        silence_logs=50,
+    ) as cluster:
+        address = cluster.scheduler_address
+        few = ["--scenes", "cheezit_1", "--methods", "cvpf", "--runs", "1"]
+        _run(tmp_path, *few, "--scheduler", address)
+    found = list((tmp_path / "evaluations").iterdir())
+    assert len(found) == 2
+    for path in found:
+        same = folder / "evaluations" / path.name
+        assert path.read_bytes() == same.read_bytes()
+
+
 def test_what_fails_is_named_at_the_end_and_the_others_are_done(
     reproduced, capsys, tmp_path
 ):
