@@ -6,11 +6,10 @@ Each run has one thread; several run at a time. The single-snapshot estimator
 
 import argparse
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 import csv
 from dataclasses import replace
 import itertools
-import multiprocessing
 import os
 from pathlib import Path
 import sys
@@ -19,6 +18,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from pbpf_drake.diagrams.executors import LocalExecutor
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.mcap_log_reader import ReadLog
 from pbpf_drake.particle_filter_config import METHODS
@@ -70,10 +70,7 @@ def _track_all(args: argparse.Namespace) -> list[dict[str, Any]]:
         for method in dict.fromkeys(args.methods)
         for seed in range(1 if method == "dope" else args.seeds)
     ]
-    # Numpy's own threads would compete with the other processes.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(args.jobs, mp_context=spawn) as pool:
+    with LocalExecutor(args.jobs) as pool:
         futures = [pool.submit(_track, *task) for task in tasks]
         list(tqdm(as_completed(futures), total=len(tasks), unit="run"))
         return [future.result() for future in futures]

@@ -9,7 +9,6 @@ planar_push_log.py for their columns.
 """
 
 import argparse
-from concurrent.futures import ProcessPoolExecutor
 import csv
 from dataclasses import replace
 import itertools
@@ -21,6 +20,7 @@ import tempfile
 import numpy as np
 from tqdm import tqdm
 
+from pbpf_drake.diagrams.executors import LocalExecutor
 from pbpf_drake.diagrams.planar_push_log import ReadPlanarPush
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.log import Log
@@ -135,7 +135,7 @@ def run(args: argparse.Namespace) -> None:
     if not files:
         raise ValueError(f"there are no CSV files in {args.data}")
     jobs = list(itertools.product(files, range(args.seeds), _METHODS))
-    with ProcessPoolExecutor(args.jobs) as executor:
+    with LocalExecutor(args.jobs) as executor:
         rows = list(
             tqdm(executor.map(evaluate, jobs), total=len(jobs), unit="track")
         )

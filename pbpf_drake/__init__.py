@@ -81,6 +81,7 @@ from pbpf_drake.scene import (
 from pbpf_drake.scene_meshcat import SaveReplay
 from pbpf_drake.scene_models import AddSceneModels, SceneModels, data_folder
 from pbpf_drake.single_snapshot_estimator import SingleSnapshotEstimator
+from pbpf_drake.symmetry import SymmetryConfig
 from pbpf_drake.track_record import TrackRecord
 from pbpf_drake.tracking import (
     DefaultConfig,
@@ -141,6 +142,7 @@ __all__ = [
     "Scene",
     "SceneModels",
     "SingleSnapshotEstimator",
+    "SymmetryConfig",
     "Track",
     "TrackRecord",
     "TrackedObject",

@@ -30,7 +30,7 @@ from pbpf_drake.track_record import TrackRecord
 
 # Okabe and Ito's palette, told apart by the color-blind as well; the estimate
 # is green and the detector yellow, as in the replay.
-_STYLES = {
+METHOD_STYLES = {
     "dope": ("#E69F00", (0, (5, 1.5))),
     "cvpf": ("#D55E00", (0, (1, 1))),
     "pbpf": ("#009E73", "solid"),
@@ -109,7 +109,7 @@ def _draw_object(
 def _draw_line(
     ax: Axes, record: TrackRecord, errors: np.ndarray, band: np.ndarray
 ) -> None:
-    color, dashes = _STYLES.get(record.method, _OTHER_STYLE)
+    color, dashes = METHOD_STYLES.get(record.method, _OTHER_STYLE)
     times = record.times
     ax.plot(times, errors, color=color, linestyle=dashes, lw=1.8, zorder=3)
     ax.fill_between(
@@ -187,7 +187,7 @@ def _add_legend(figure: Figure, records: Sequence[TrackRecord]) -> None:
     handles: list[Artist] = []
     band = None
     for record in records:
-        color, dashes = _STYLES.get(record.method, _OTHER_STYLE)
+        color, dashes = METHOD_STYLES.get(record.method, _OTHER_STYLE)
         label = record.method.upper()
         if label not in [h.get_label() for h in handles]:
             handles.append(

@@ -57,17 +57,36 @@ def compute_errors(
         name: one of the record's objects.
         truth: the object's ground truth, or None where there is none.
     """
-    k = record.object_names.index(name)
+    known, X, X_ref = comparable_poses(record, name, truth)
     position = np.full(len(record.times), np.nan)
     rotation = np.full(len(record.times), np.nan)
-    if truth is not None and len(truth.times):
-        use = np.asarray(record.tracked[:, k], dtype=bool)
-        use &= record.times >= truth.times[0]
-        use &= record.times <= truth.times[-1]
-        q_ref, p_ref = interpolate_poses(truth, record.times[use])
-        position[use] = position_error(record.poses[use, k, 4:], p_ref)
-        rotation[use] = rotation_error(record.poses[use, k, :4], q_ref)
+    position[known] = position_error(X[:, 4:], X_ref[:, 4:])
+    rotation[known] = rotation_error(X[:, :4], X_ref[:, :4])
     return ErrorTrace(position, rotation)
+
+
+def comparable_poses(
+    record: TrackRecord, name: str, truth: PoseRecord | None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Returns an object's estimates where an error is known, and its truth.
+
+    Args:
+        record, name, truth: see compute_errors.
+
+    Returns:
+        Which of the N updates have a known error (N,), and the C poses there,
+        estimated and true, (C, 7) each: qw qx qy qz, x y z (in meters).
+    """
+    k = record.object_names.index(name)
+    known = np.zeros(len(record.times), dtype=bool)
+    X_ref = np.empty((0, 7))
+    if truth is not None and len(truth.times):
+        known = np.array(record.tracked[:, k], dtype=bool)
+        known &= record.times >= truth.times[0]
+        known &= record.times <= truth.times[-1]
+        q_ref, p_ref = interpolate_poses(truth, record.times[known])
+        X_ref = np.concatenate([q_ref, p_ref], axis=-1)
+    return known, record.poses[known, k], X_ref
 
 
 def position_stddev(record: TrackRecord, name: str) -> np.ndarray:

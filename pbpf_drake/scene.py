@@ -20,6 +20,7 @@ from pbpf_drake.particle_filter_config import (
     VisibilityConfig,
 )
 from pbpf_drake.recording_config import RecordingConfig
+from pbpf_drake.symmetry import SymmetryConfig
 
 
 @dataclass(kw_only=True)
@@ -52,6 +53,8 @@ class TrackedObject:
     class_id: str = ""
     # The visibility thresholds (Section 4.3).
     visibility: VisibilityConfig = field(default_factory=VisibilityConfig)
+    # Which turns of it look alike. The filter doesn't know; errors may.
+    symmetry: SymmetryConfig = field(default_factory=SymmetryConfig)
 
 
 @dataclass(kw_only=True)
@@ -188,6 +191,7 @@ def _validate(scene: Scene) -> None:
         raise ValueError("camera.X_WC is not finite")
     for name, tracked in scene.tracked.items():
         tracked.visibility.ValidateOrThrow(f"tracked.{name}.visibility")
+        tracked.symmetry.ValidateOrThrow(f"tracked.{name}.symmetry")
     try:
         scene.filter.ValidateOrThrow()
     except ValueError as error:

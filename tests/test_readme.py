@@ -17,7 +17,7 @@ from pbpf_drake import (
     ReadLog,
     VisibilityConfig,
 )
-from pbpf_drake.diagrams import track_log
+from pbpf_drake.diagrams import reproduce_tables, track_log
 from pbpf_drake.pose_interpolation import interpolate_poses
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -104,6 +104,16 @@ def test_options_are_those_of_the_command(capsys):
     options = set(re.findall(r"--\w+", capsys.readouterr().out)) - {"--help"}
     named = {re.search(r"--\w+", row[0]).group() for row in rows("option")}
     assert named == options
+
+
+def test_arguments_are_those_of_the_command_that_reproduces_the_tables(capsys):
+    with pytest.raises(SystemExit):
+        reproduce_tables.main(["--help"])
+    options = set(re.findall(r"--[a-z]+", capsys.readouterr().out))
+    named = {
+        n for row in rows("argument") for n in re.findall(r"--\w+", row[0])
+    }
+    assert named == options - {"--help"}
 
 
 def test_ports_are_those_of_the_systems():

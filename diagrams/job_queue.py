@@ -1,0 +1,134 @@
+"""Runs many jobs on any executor, whatever becomes of some of them."""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    wait,
+)
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Any
+
+# How often a job may take its process with it while it runs alone.
+_ATTEMPTS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """Something to compute.
+
+    Attributes:
+        name: to call it.
+        function: what to compute; other processes import it.
+        arguments: makes its arguments, when it is its turn.
+        cost: how long it takes, in any unit.
+    """
+
+    name: str
+    function: Callable[..., Any]
+    arguments: Callable[[], tuple]
+    cost: float = 1.0
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A job that has no result, and why."""
+
+    name: str
+    reason: str
+
+
+# Makes an executor, to be used in a with statement.
+ExecutorFactory = Callable[[], AbstractContextManager[Executor]]
+
+
+def RunJobs(
+    jobs: Sequence[Job],
+    make_executor: ExecutorFactory,
+    *,
+    ahead: int,
+    on_done: Callable[[Job, Any], None],
+    on_failure: Callable[[Job, str], None],
+) -> None:
+    """Runs all jobs; one that fails doesn't stop the others.
+
+    If a process dies, the executor of concurrent.futures is broken, and which
+    job it was isn't known. Then a new one is made, and those that were under
+    way run again, one at a time: the one to blame dies alone.
+
+    Args:
+        jobs: what to run, in this order.
+        make_executor: called at the start, and whenever one is broken.
+        ahead: how many jobs are handed over at a time. At least as many as
+            there are workers, or some are idle.
+        on_done: called with a job and its result, as soon as there is one.
+        on_failure: called with a job and why it has none.
+    """
+    waiting, suspects = deque(jobs), deque[Job]()
+    deaths: dict[Job, int] = {}
+    while waiting or suspects:
+        queue, limit = (suspects, 1) if suspects else (waiting, ahead)
+        with make_executor() as executor:
+            lost = _drain(queue, executor, limit, on_done, on_failure)
+        for job in lost:
+            if limit == 1:
+                deaths[job] = deaths.get(job, 0) + 1
+            if deaths.get(job, 0) >= _ATTEMPTS:
+                on_failure(job, "the process that ran it died")
+            else:
+                suspects.append(job)
+
+
+def _drain(
+    queue: deque[Job],
+    executor: Executor,
+    limit: int,
+    on_done: Callable[[Job, Any], None],
+    on_failure: Callable[[Job, str], None],
+) -> list[Job]:
+    """Runs a queue until it is empty, or until the executor is broken.
+
+    Returns:
+        The jobs that were under way when it broke.
+    """
+    running: dict[Future, Job] = {}
+    lost: list[Job] = []
+    try:
+        while running or (queue and not lost):
+            while queue and len(running) < limit and not lost:
+                job = queue.popleft()
+                try:
+                    running[_submit(executor, job)] = job
+                except BrokenExecutor:
+                    lost.append(job)
+                except Exception as error:
+                    on_failure(job, _describe(error))
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                job = running.pop(future)
+                try:
+                    result = future.result()
+                except BrokenExecutor:
+                    lost.append(job)
+                except Exception as error:
+                    on_failure(job, _describe(error))
+                else:
+                    on_done(job, result)
+    except BaseException:
+        # Whatever isn't under way yet need not be waited for.
+        for future in running:
+            future.cancel()
+        raise
+    return lost
+
+
+def _submit(executor: Executor, job: Job) -> Future:
+    return executor.submit(job.function, *job.arguments())
+
+
+def _describe(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"

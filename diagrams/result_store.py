@@ -1,0 +1,87 @@
+"""A folder of small results, each in one file that is written at once.
+
+A file is there as a whole or not at all, whenever the program is killed. A
+file that was damaged since is as good as none, and that is said.
+"""
+
+from collections.abc import Mapping
+import glob
+import hashlib
+import json
+import os
+from pathlib import Path
+import tempfile
+from typing import Any
+
+
+def key_digest(key: Mapping[str, Any]) -> str:
+    """Returns a name for what a result depends on.
+
+    Args:
+        key: what JSON can hold.
+    """
+    text = json.dumps(key, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:20]
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Writes a file, so that nobody ever finds a part of it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+class ResultStore:
+    """Files by key.
+
+    Attributes:
+        notes: a sentence for every file that was found damaged.
+    """
+
+    def __init__(self, folder: Path, *, suffix: str):
+        """Takes the folder, which is made when it is needed.
+
+        Args:
+            folder: holds this store's files only.
+            suffix: of all files, with its dot.
+        """
+        self._folder = folder
+        self._suffix = suffix
+        self.notes: list[str] = []
+
+    def Load(self, name: str, key: Mapping[str, Any]) -> bytes | None:
+        """Returns what was stored, or None.
+
+        Args:
+            name: the readable part of the file's name.
+            key: what the result depends on.
+        """
+        for path in sorted(self._folder.glob(self._pattern(name, key))):
+            data = path.read_bytes()
+            if path.stem.endswith(_content_digest(data)):
+                return data
+            self.notes.append(f"{path} is damaged; it is made again")
+            path.unlink()
+        return None
+
+    def Save(self, name: str, key: Mapping[str, Any], data: bytes) -> Path:
+        """Stores something at once; returns its file."""
+        stem = f"{name}-{key_digest(key)}-{_content_digest(data)}"
+        path = self._folder / (stem + self._suffix)
+        write_atomically(path, data)
+        return path
+
+    def _pattern(self, name: str, key: Mapping[str, Any]) -> str:
+        return glob.escape(f"{name}-{key_digest(key)}-") + f"*{self._suffix}"
+
+
+def _content_digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:12]

@@ -1,0 +1,136 @@
+"""Jobs on real pools of threads and processes, some of which die."""
+
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import contextmanager
+from functools import partial
+
+import job_functions
+import pytest
+
+from pbpf_drake.diagrams.executors import LocalExecutor
+from pbpf_drake.diagrams.job_queue import Job, RunJobs
+
+
+def _job(name: str, function, *arguments) -> Job:
+    return Job(name, function, lambda: arguments)
+
+
+def _run(jobs, make_executor, *, ahead=4):
+    done, failed = {}, {}
+    RunJobs(
+        jobs,
+        make_executor,
+        ahead=ahead,
+        on_done=lambda job, result: done.update({job.name: result}),
+        on_failure=lambda job, reason: failed.update({job.name: reason}),
+    )
+    return done, failed
+
+
+@pytest.mark.parametrize("ahead", [1, 3, 100])
+def test_every_job_is_done_once_on_any_executor(ahead):
+    calls = []
+
+    def square(x: int) -> int:
+        calls.append(x)
+        return x * x
+
+    jobs = [_job(str(i), square, i) for i in range(20)]
+    done, failed = _run(jobs, partial(ThreadPoolExecutor, 2), ahead=ahead)
+    assert done == {str(i): i * i for i in range(20)}
+    assert failed == {} and sorted(calls) == list(range(20))
+
+
+def test_a_job_that_fails_is_named_and_the_others_go_on():
+    jobs = [_job(str(i), job_functions.square, i) for i in range(4)]
+    jobs.insert(1, _job("bad", job_functions.fail, "no such box"))
+    done, failed = _run(jobs, partial(ThreadPoolExecutor, 1))
+    assert set(done) == {"0", "1", "2", "3"}
+    assert failed == {"bad": "ValueError: no such box"}
+
+
+def test_a_job_whose_arguments_cannot_be_made_fails_by_itself():
+    def arguments() -> tuple:
+        raise FileNotFoundError("the log is gone")
+
+    jobs = [
+        Job("bad", job_functions.square, arguments),
+        _job("good", job_functions.square, 3),
+    ]
+    done, failed = _run(jobs, partial(ThreadPoolExecutor, 1))
+    assert done == {"good": 9}
+    assert failed == {"bad": "FileNotFoundError: the log is gone"}
+
+
+def test_no_more_jobs_are_under_way_than_asked_for():
+    under_way, most = set(), []
+
+    def arguments(i: int) -> tuple:
+        under_way.add(str(i))
+        most.append(len(under_way))
+        return (0.01, i)
+
+    jobs = [
+        Job(str(i), job_functions.wait_for, partial(arguments, i))
+        for i in range(12)
+    ]
+    RunJobs(
+        jobs,
+        partial(ThreadPoolExecutor, 8),
+        ahead=3,
+        on_done=lambda job, _: under_way.remove(job.name),
+        on_failure=pytest.fail,
+    )
+    assert max(most) == 3
+
+
+def test_of_a_dead_process_only_the_guilty_job_is_lost():
+    jobs = [_job(str(i), job_functions.square, i) for i in range(6)]
+    jobs.insert(2, _job("deadly", job_functions.die))
+    done, failed = _run(jobs, partial(LocalExecutor, 2))
+    assert done == {str(i): i * i for i in range(6)}
+    assert failed == {"deadly": "the process that ran it died"}
+
+
+def test_a_job_whose_process_was_killed_once_is_run_again(tmp_path):
+    marker = str(tmp_path / "marker")
+    jobs = [_job("unlucky", job_functions.die_once, marker)]
+    done, failed = _run(jobs, partial(LocalExecutor, 1))
+    assert done == {"unlucky": "done"} and failed == {}
+
+
+def test_an_executor_that_never_works_is_given_up():
+    made = []
+
+    @contextmanager
+    def make_executor():
+        made.append(1)
+        with LocalExecutor(1) as executor:
+            executor.submit(job_functions.die).exception()
+            yield executor
+
+    jobs = [_job("job", job_functions.square, 1)]
+    done, failed = _run(jobs, make_executor)
+    assert done == {} and set(failed) == {"job"}
+    assert len(made) <= 4
+
+
+def test_what_goes_wrong_with_a_result_stops_everything():
+    def on_done(job, result):
+        raise OSError("no space left")
+
+    with pytest.raises(OSError, match="no space left"):
+        RunJobs(
+            [_job(str(i), job_functions.square, i) for i in range(50)],
+            partial(ThreadPoolExecutor, 1),
+            ahead=2,
+            on_done=on_done,
+            on_failure=pytest.fail,
+        )
+
+
+def test_without_jobs_no_executor_is_made():
+    def make_executor() -> Executor:
+        raise AssertionError
+
+    assert _run([], make_executor) == ({}, {})
