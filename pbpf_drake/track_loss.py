@@ -11,11 +11,16 @@ import numpy as np
 
 # The share of the latest disagreement in the running mean.
 _GAIN = 0.25
-# A single detection counts as this many standard deviations at most, so that
-# one outlier alone, or two, are not enough.
+# A single detection counts as this many standard deviations at most ...
 _LARGEST = 3.0
-# χ² with 3 degrees of freedom exceeds it once in 900 updates by chance.
-_LOST = 16.0
+# ... and one that is so far off that it may be an outlier counts less: two of
+# them are not enough, three that agree are.
+_OUTLIER = 5.0
+_OUTLIER_COUNTS = 2.0
+# χ² with 3 degrees of freedom exceeds it in every ninth case by chance, too.
+# Then the particles that are drawn anew do little harm, while what was poked
+# just before it is hidden has to be found at once.
+_LOST = 6.0
 
 
 def mean_disagreement(
@@ -42,7 +47,8 @@ def mean_disagreement(
     covariance += np.eye(3) * stddev**2 / len(detections)
     whitened = np.linalg.solve(np.linalg.cholesky(covariance), offset)
     length = float(np.linalg.norm(whitened))
-    whitened *= min(1.0, _LARGEST / max(length, 1e-12))
+    limit = _LARGEST if length < _OUTLIER else _OUTLIER_COUNTS
+    whitened *= min(1.0, limit / max(length, 1e-12))
     return (1 - _GAIN) * last + _GAIN * whitened
 
 
