@@ -23,6 +23,8 @@ _TOLERANCE = 1.25
 # Each push makes some way for one contact; a box between hand, table and
 # another box needs a few.
 _MAX_PUSHES = 10
+# What was pushed isn't pushed back: within 60° of it.
+_BACK = 0.5
 # An object is slid along its support where that is at most twice as far as
 # along the normal.
 _MIN_SLIDE = 0.5
@@ -47,14 +49,15 @@ class PenetrationResolver:
     def PushOut(self, q: np.ndarray, supports: np.ndarray) -> np.ndarray:
         """Returns q with the objects moved.
 
-        Of two objects that penetrate, each goes half the way. Rotations are
-        kept.
+        Of two objects that penetrate, each goes half the way, unless one of
+        them would go back to where it was pushed from. Rotations are kept.
 
         Args:
             q: (nq,) positions of the model's plant; the links' are kept.
             supports: (K, 3) normals of what the objects stand on, or zeros.
         """
         q = q.copy()
+        pushed: list[list[np.ndarray]] = [[] for _ in supports]
         for _ in range(_MAX_PUSHES):
             self._plant.SetPositions(self._context, q)
             query = self._query.Eval(self._geometry)
@@ -62,7 +65,7 @@ class PenetrationResolver:
             deepest = _deepest(self._model, pairs)
             if deepest is None:
                 break
-            _push(self._model, q, *deepest, supports)
+            _push(self._model, q, *deepest, supports, pushed)
         return q
 
 
@@ -99,14 +102,37 @@ def _push(
     pair: PenetrationAsPointPair,
     distance: float,
     supports: np.ndarray,
+    pushed: list[list[np.ndarray]],
 ) -> None:
-    a, b = model.owners.get(pair.id_A), model.owners.get(pair.id_B)
+    """Moves what penetrates, and notes what can't go back any more.
+
+    Args:
+        model: the contact model.
+        q: (nq,) changed.
+        pair: what penetrates.
+        distance: the way that they have to go apart (in meters).
+        supports: (K, 3) as in PushOut.
+        pushed: the directions in which each object was pushed by what doesn't
+            give way; extended.
+    """
     fixed = {pair.id_A, pair.id_B} & model.fixed_geometries
-    share = 1.0 if a is None or b is None else 0.5
-    for k, normal in ((a, pair.nhat_BA_W), (b, -pair.nhat_BA_W)):
-        if k is not None:
-            along = normal if fixed else _slide(normal, supports[k])
-            q[model.object_q[k, 4:]] += share * distance * along
+    sides = [
+        (model.owners.get(pair.id_A), pair.nhat_BA_W),
+        (model.owners.get(pair.id_B), -pair.nhat_BA_W),
+    ]
+    free = [
+        k is not None and all(normal @ way > -_BACK for way in pushed[k])
+        for k, normal in sides
+    ]
+    if not any(free):
+        free = [k is not None for k, _ in sides]
+    for (k, normal), goes in zip(sides, free, strict=True):
+        if k is None or not goes:
+            continue
+        along = normal if fixed else _slide(normal, supports[k])
+        q[model.object_q[k, 4:]] += distance / sum(free) * along
+        if sum(free) == 1:
+            pushed[k].append(normal)
 
 
 def _slide(normal: np.ndarray, support: np.ndarray) -> np.ndarray:

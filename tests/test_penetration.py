@@ -178,3 +178,21 @@ def test_what_stands_on_something_is_slid_not_lifted(block, stands):
     assert moved[0] > 1e-3
     assert abs(moved[1]) < 1e-12
     assert (abs(moved[2]) < 1e-12) == stands
+
+
+def test_a_row_of_objects_is_pushed_through_at_once(two):
+    """What the probe has pushed isn't pushed back by what it pushes."""
+    model = two.model
+    x = HALF_BLOCK + PROBE_RADIUS
+    block = [x - 5e-3, 0.0, REST]
+    can = [x - 5e-3 + HALF_BLOCK + 0.03383 - 1e-3, 0.0, HEIGHTS["soup"]]
+    q = two.simulation.plant.GetPositions(two.simulation.plant_context)
+    q[model.link_q[0]] = [*FLAT, 0.0, 0.0, 0.0]
+    q[model.object_q] = [[*FLAT, *block], [*CAN_UPRIGHT, *can]]
+    after = two.resolver.PushOut(q, np.zeros((2, 3)))
+    two.simulation.plant.SetPositions(two.simulation.plant_context, after)
+    assert two.depth() < 1.5e-4
+    moved = (after - q)[model.object_q[:, 4]]
+    assert moved[0] == pytest.approx(5e-3, abs=2e-4)
+    # Their cores are 1 mm smaller.
+    assert 3.5e-3 < moved[1] < 6.5e-3
