@@ -54,7 +54,7 @@ def test_a_visible_block_is_detected_near_its_true_pose(recording):
     for detection in log.detections:
         p_WO = (scene.camera.pose() @ detection.X_CO).translation()
         true = [np.interp(detection.time, truth.times, x) for x in truth.p_WO.T]
-        assert 1e-5 < np.linalg.norm(p_WO - true) < 0.06
+        assert 0.02 < np.linalg.norm(p_WO - true) < 0.09
 
 
 def _bytes(tmp_path, *, seed: int = 4, run: int = 0) -> bytes:
@@ -83,7 +83,7 @@ def test_runs_start_elsewhere():
     assert np.all(np.ptp(starts, axis=0)[[0, 1, 6]] > 1e-4)
     # The block still lies flat on the table.
     np.testing.assert_allclose(starts[:, 2], 0.0065, atol=1e-6)
-    np.testing.assert_allclose(starts[:, [4, 5]], 0, atol=1e-6)
+    np.testing.assert_allclose(starts[:, [4, 5]], 0, atol=1e-4)
 
 
 def test_a_run_without_a_number_is_refused():
