@@ -25,7 +25,7 @@ def test_box_is_seen_before_it_is_behind_the_obstacle():
     scene = LoadScene(FOLDER / "scenes" / "cheezit_1.yaml")
     names = MakePredictionModel(scene).joint_names
     log = ReadLog(filename=LOG, scene=scene, joint_names=names)
-    times = np.array([4.0, 16.0])
+    times = np.array([4.0, 15.0])
     seen, hidden = draw_scenes.render_log(scene, log, times)
     assert seen.shape == (480, 640, 3)
     assert _red(seen) > 500 and _red(hidden) < 0.3 * _red(seen)
