@@ -11,7 +11,7 @@ columns step, time [s], error [m or rad], name, without a header.
 """
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 import csv
 from functools import partial
@@ -185,7 +185,9 @@ def describe(errors: np.ndarray) -> dict[str, float]:
     return result
 
 
-def _or_nan(function, values: np.ndarray) -> float:
+def _or_nan(
+    function: Callable[[np.ndarray], float], values: np.ndarray
+) -> float:
     return float(function(values)) if len(values) else np.nan
 
 
