@@ -17,7 +17,7 @@ from pbpf_drake.log import PoseRecord
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.scene import LoadScene, Scene
 from pbpf_drake.scene_models import data_folder
-from pbpf_drake.truth_simulation import Recording, RecordTruth
+from pbpf_drake.truth_simulation import Recording, RecordRun
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:
@@ -34,20 +34,24 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
         help="YAML file of the scene")  # fmt: skip
     add("--out", type=Path, default=Path("pbpf_recording.mcap"),
         help="MCAP file to write")  # fmt: skip
-    add("--seed", type=int, help="of all randomness (default: the scene's)")
+    add("--run", type=int, default=0,
+        help="number of the run: another one has another start, path, "
+        "friction, mass and detector")  # fmt: skip
     add("--duration", type=float,
         help="of the log, in seconds (default: the scene's)")  # fmt: skip
     return parser.parse_args(argv)
 
 
-def _record(scene: Scene) -> Recording:
+def _record(scene: Scene, run: int) -> Recording:
     with tqdm(
         total=scene.recording.duration,
         desc="record",
         bar_format="{l_bar}{bar}| {n:.1f}/{total:.1f} s [{elapsed}]",
     ) as bar:
-        return RecordTruth(
-            scene=scene, progress=lambda time: bar.update(time - bar.n)
+        return RecordRun(
+            scene=scene,
+            run=run,
+            progress=lambda time: bar.update(time - bar.n),
         )
 
 
@@ -58,11 +62,11 @@ def _describe_motion(truth: PoseRecord) -> str:
     return f"moved by {1e3 * way:.0f} mm, turned by {np.degrees(turn):.0f} deg"
 
 
-def _describe(scene: Scene, recording: Recording) -> str:
+def _describe(scene: Scene, run: int, recording: Recording) -> str:
     """Returns what was recorded, line by line."""
     log, parameters = recording.log, recording.parameters
     lines = [
-        f"{log.duration:g} s with seed {scene.recording.seed}: "
+        f"Run {run}, {log.duration:g} s: "
         f"{len(log.joints.times)} states of {len(log.joints.names)} joints, "
         f"{len(recording.image_times)} images",
         f"friction {parameters.friction:.3f} between objects and what is "
@@ -86,12 +90,10 @@ def run(args: argparse.Namespace) -> None:
             the message says why.
     """
     scene = LoadScene(args.scene)
-    if args.seed is not None:
-        scene.recording.seed = args.seed
     if args.duration is not None:
         scene.recording.duration = args.duration
     scene.recording.ValidateOrThrow()
-    recording = _record(scene)
+    recording = _record(scene, args.run)
     args.out.parent.mkdir(parents=True, exist_ok=True)
     WriteLog(
         filename=args.out,
@@ -101,7 +103,7 @@ def run(args: argparse.Namespace) -> None:
             name: class_id for class_id, name in scene.object_by_class().items()
         },
     )
-    print(_describe(scene, recording))
+    print(_describe(scene, args.run, recording))
     print(f"Written to {args.out.resolve()}")
 
 

@@ -90,7 +90,7 @@ from pbpf_drake.tracking import (
     Track,
     TrackingDiagram,
 )
-from pbpf_drake.truth_simulation import Recording, RecordTruth
+from pbpf_drake.truth_simulation import Recording, RecordRun
 from pbpf_drake.visibility import VisibilityModel
 
 __all__ = [
@@ -135,7 +135,7 @@ __all__ = [
     "PoseStddev",
     "PredictionModel",
     "ReadLog",
-    "RecordTruth",
+    "RecordRun",
     "Recording",
     "RecordingConfig",
     "SaveReplay",

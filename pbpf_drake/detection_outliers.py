@@ -16,6 +16,12 @@ import numpy as np
 from pbpf_drake.recording_config import DetectorConfig
 
 
+def draw_directions(rng: np.random.Generator) -> np.ndarray:
+    """Draws a unit vector for a rotation and one for a position, (2, 3)."""
+    directions = rng.standard_normal((2, 3))
+    return directions / np.linalg.norm(directions, axis=1, keepdims=True)
+
+
 def draw_outlier_error(
     occlusion: float, config: DetectorConfig, rng: np.random.Generator
 ) -> np.ndarray:
@@ -34,11 +40,10 @@ def draw_outlier_error(
     """
     is_off = rng.uniform(size=2) < config.outlier_chance * occlusion
     u, w = rng.uniform(size=2)
-    directions = rng.standard_normal((2, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    directions = draw_directions(rng)
     angle, distance = config.outlier_rotation, config.outlier_position
     # The farther half of how far it gets with this occlusion.
-    way = occlusion * (1 + w) / 2
+    way = np.sqrt(occlusion) * (1 + w) / 2
     sizes = np.array(
         [
             angle.min + u * (angle.max - angle.min),

@@ -26,7 +26,7 @@ from pydrake.systems.framework import Context
 from pydrake.systems.sensors import CameraInfo
 
 from pbpf_drake import quaternions
-from pbpf_drake.detection_outliers import draw_outlier_error
+from pbpf_drake.detection_outliers import draw_directions, draw_outlier_error
 from pbpf_drake.log import DetectionRecord
 from pbpf_drake.particle_filter_config import PoseStddev
 from pbpf_drake.recording_config import DetectorConfig
@@ -62,6 +62,21 @@ def clearness(visibility: float, config: DetectorConfig) -> float:
 def detection_probability(visibility: float, config: DetectorConfig) -> float:
     """Returns the chance of a detection, from 0 (hidden) to 1 (half-way)."""
     return min(1.0, 2 * clearness(visibility, config))
+
+
+def draw_bias(config: DetectorConfig, rng: np.random.Generator) -> np.ndarray:
+    """Draws by how much a run's detections of an object are off, (6,).
+
+    Args:
+        config: how far.
+        rng: where the numbers are drawn from.
+
+    Returns:
+        A rotation vector (in radians), then a translation (in meters).
+    """
+    ranges = config.bias_rotation, config.bias_position
+    sizes = np.array([[rng.uniform(r.min, r.max)] for r in ranges])
+    return (sizes * draw_directions(rng)).ravel()
 
 
 def draw_pose_error(stddev: PoseStddev, rng: np.random.Generator) -> np.ndarray:
@@ -219,7 +234,7 @@ class SimulatedDetector:
         self._names = tuple(names)
         self._X_CW = X_WC.inverse()
         self._rng = rng
-        self._biases = [draw_pose_error(config.bias, rng) for _ in names]
+        self._biases = [draw_bias(config, rng) for _ in names]
 
     def Detect(
         self,

@@ -21,6 +21,7 @@ from pydrake.geometry import (
     Shape,
     Sphere,
 )
+from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import (
     ContactModel,
     CoulombFriction,
@@ -60,18 +61,22 @@ class TruthParameters:
         friction: between objects and everything fixed.
         robot_friction: of the robot's surface.
         offsets: (W, 3) errors of the path's waypoints (in meters).
+        starts: (K, 3) by how much the objects start from elsewhere: x and y
+            (in meters), then the angle about the vertical (in radians).
     """
 
     mass_scale: np.ndarray
     friction: float
     robot_friction: float
     offsets: np.ndarray
+    starts: np.ndarray
 
 
 def draw_truth_parameters(
     config: RecordingConfig, num_objects: int, rng: np.random.Generator
 ) -> TruthParameters:
     """Draws the true parameters of a run."""
+    stddev = config.start_stddev
     return TruthParameters(
         mass_scale=rng.uniform(
             config.mass_scale.min, config.mass_scale.max, num_objects
@@ -81,6 +86,8 @@ def draw_truth_parameters(
             config.robot_friction.min, config.robot_friction.max
         ),
         offsets=draw_offsets(config.path, rng),
+        starts=rng.standard_normal((num_objects, 3))
+        * [stddev.position, stddev.position, stddev.rotation],
     )
 
 
@@ -143,7 +150,7 @@ def MakeTruth(*, scene: Scene, parameters: TruthParameters) -> Truth:
 
 
 def MakeTruthContext(*, truth: Truth, parameters: TruthParameters) -> Context:
-    """Returns the state at the start, with the true masses.
+    """Returns the state at the start, with the true masses and poses.
 
     Raises:
         ValueError: the path leads into something fixed.
@@ -151,11 +158,16 @@ def MakeTruthContext(*, truth: Truth, parameters: TruthParameters) -> Context:
     diagram, plant = truth.diagram, truth.diagram.plant()
     context = diagram.CreateDefaultContext()
     plant_context = diagram.mutable_plant_context(context)
-    for body, scale in zip(
-        truth.models.objects, parameters.mass_scale, strict=True
+    for index, scale, start in zip(
+        truth.models.objects,
+        parameters.mass_scale,
+        parameters.starts,
+        strict=True,
     ):
-        mass = plant.get_body(body).default_mass()
-        plant.get_body(body).SetMass(plant_context, mass * scale)
+        body = plant.get_body(index)
+        body.SetMass(plant_context, body.default_mass() * scale)
+        X_WO = move_start(body.EvalPoseInWorld(plant_context), start)
+        plant.SetFreeBodyPose(plant_context, body, X_WO)
     CheckPath(
         diagram=diagram,
         models=truth.models,
@@ -163,6 +175,20 @@ def MakeTruthContext(*, truth: Truth, parameters: TruthParameters) -> Context:
         trajectory=truth.trajectory,
     )
     return context
+
+
+def move_start(X_WO: RigidTransform, start: np.ndarray) -> RigidTransform:
+    """Returns a pose shifted along the table and turned on it.
+
+    Args:
+        X_WO: a pose.
+        start: x and y (in meters), then an angle (in radians) about the
+            vertical through the object's origin.
+    """
+    return RigidTransform(
+        RotationMatrix.MakeZRotation(start[2]) @ X_WO.rotation(),
+        X_WO.translation() + [start[0], start[1], 0.0],
+    )
 
 
 def _set_contact(

@@ -43,33 +43,43 @@ class Recording:
     visibility: np.ndarray
 
 
-def RecordTruth(
-    *, scene: Scene, progress: Callable[[float], None] | None = None
+def RecordRun(
+    *,
+    scene: Scene,
+    run: int = 0,
+    progress: Callable[[float], None] | None = None,
 ) -> Recording:
-    """Simulates a scene as its ``recording`` says.
+    """Simulates a run of a scene as its ``recording`` says.
 
-    All randomness is a function of ``recording.seed``.
+    Runs differ in where objects start, in the path, in friction and mass, and
+    in what the detector gets wrong. A run is a function of the scene, of
+    ``recording.seed`` in it, and of its number.
 
     Args:
         scene: the scene.
+        run: the number of the run, from 0.
         progress: called with the time reached (in seconds), often.
 
     Raises:
-        ValueError: ``recording`` has a bad value, doesn't fit the scene's
-            models, or its path can't be followed.
+        ValueError: the run has no such number; ``recording`` has a bad value,
+            doesn't fit the scene's models, or its path can't be followed.
     """
     config = scene.recording
+    if run < 0:
+        raise ValueError(f"run is {run}; expected 0 or more")
     try:
         config.ValidateOrThrow()
         parameters = draw_truth_parameters(
-            config, len(scene.tracked), _make_generator(config.seed, 0)
+            config, len(scene.tracked), _make_generator(config.seed, run, 0)
         )
         truth = MakeTruth(scene=scene, parameters=parameters)
         context = MakeTruthContext(truth=truth, parameters=parameters)
     except (ValueError, RuntimeError) as error:
         where = f"Scene {scene.path or '(without a file)'}"
         raise ValueError(f"{where}: {error}") from error
-    recorder = _Recorder(scene=scene, truth=truth)
+    recorder = _Recorder(
+        scene=scene, truth=truth, rng=_make_generator(config.seed, run, 1)
+    )
     simulator = Simulator(truth.diagram, context)
     periods: dict[_Call, float] = {
         recorder.RecordJoints: config.joint_period,
@@ -85,9 +95,9 @@ def RecordTruth(
     return recorder.MakeRecording(parameters)
 
 
-def _make_generator(seed: int, purpose: int) -> np.random.Generator:
+def _make_generator(seed: int, run: int, purpose: int) -> np.random.Generator:
     return np.random.default_rng(
-        np.random.SeedSequence(seed, spawn_key=(purpose,))
+        np.random.SeedSequence(seed, spawn_key=(run, purpose))
     )
 
 
@@ -114,7 +124,9 @@ def _schedule(
 class _Recorder:
     """Collects what goes into the log while the simulation runs."""
 
-    def __init__(self, *, scene: Scene, truth: Truth) -> None:
+    def __init__(
+        self, *, scene: Scene, truth: Truth, rng: np.random.Generator
+    ) -> None:
         config, plant = scene.recording, truth.diagram.plant()
         self._truth = truth
         self._names = scene.object_names()
@@ -131,7 +143,7 @@ class _Recorder:
             config=config.detector,
             names=self._names,
             X_WC=scene.camera.pose(),
-            rng=_make_generator(config.seed, 1),
+            rng=rng,
         )
         self._joints: list[tuple] = []
         self._ground_truth: list[tuple] = []

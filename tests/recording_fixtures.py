@@ -52,12 +52,13 @@ def make_planar_scene(
 def make_parameters(
     scene: Scene, *, friction: float = 0.3, mass_scale: float = 1.0
 ) -> TruthParameters:
-    """Returns given parameters, without errors of the waypoints."""
+    """Returns given parameters, with starts and waypoints as configured."""
     return TruthParameters(
         mass_scale=np.full(len(scene.tracked), mass_scale),
         friction=friction,
         robot_friction=friction,
         offsets=np.zeros((len(scene.recording.path.waypoints), 3)),
+        starts=np.zeros((len(scene.tracked), 3)),
     )
 
 

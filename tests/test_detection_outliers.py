@@ -47,7 +47,8 @@ def test_angles_are_uniform(deep):
 def test_distances_are_in_the_farther_half_of_a_logarithmic_way(occlusion):
     _, distances = _sizes(_draw(occlusion))
     distances = distances[distances > 0]
-    low, high = 0.2 * 3 ** (occlusion / 2), 0.2 * 3**occlusion
+    way = np.sqrt(occlusion)
+    low, high = 0.2 * 3 ** (way / 2), 0.2 * 3**way
     assert low <= distances.min() < low + 2e-3
     assert high - 2e-3 < distances.max() <= high + 1e-12
     mean = (high - low) / np.log(high / low)

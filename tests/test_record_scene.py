@@ -9,7 +9,6 @@ from pbpf_drake.mcap_log_reader import ReadLog
 from pbpf_drake.push_path import ActuatedJoints
 from pbpf_drake.scene import LoadScene
 from pbpf_drake.scene_models import AddSceneModels, data_folder
-from pbpf_drake.truth_simulation import RecordTruth
 
 SCENE = SCENES / "cheezit_1.yaml"
 LOG = data_folder("diagrams") / "logs" / "cheezit_1.mcap"
@@ -45,10 +44,10 @@ def test_what_the_command_writes_can_be_read(tmp_path, capsys):
     with scene.open("a") as file:
         file.write(RECORDING)
     out = tmp_path / "new_folder" / "log.mcap"
-    options = ["--out", str(out), "--seed", "3", "--duration", "0.2"]
+    options = ["--out", str(out), "--run", "3", "--duration", "0.2"]
     assert main(["--scene", str(scene), *options]) == 0
     printed = capsys.readouterr().out
-    assert "0.2 s with seed 3: 21 states of 2 joints, 4 images" in printed
+    assert "Run 3, 0.2 s: 21 states of 2 joints, 4 images" in printed
     assert "block: moved by" in printed
     log = _read(out, LoadScene(scene))
     assert log.warnings == ()
@@ -61,6 +60,7 @@ def test_what_the_command_writes_can_be_read(tmp_path, capsys):
     [
         (["--scene", "nowhere.yaml"], "no scene file"),
         (["--duration", "-1"], "recording.duration is -1.0"),
+        (["--run", "-1"], "run is -1; expected 0 or more"),
     ],
 )
 def test_what_can_not_be_recorded_is_said_in_one_line(
@@ -105,16 +105,3 @@ def test_shipped_box_is_lost_while_it_is_pushed_on(shipped):
     assert np.linalg.norm(hidden[-1] - hidden[0]) > 0.15
     seen = np.diff([d.time for d in shipped.detections if d.time < 11.0])
     np.testing.assert_allclose(seen, 0.066, atol=1e-6)
-
-
-def test_shipped_log_is_what_its_scene_gives():
-    scene = LoadScene(SCENE)
-    scene.recording.duration = 1.5
-    recording = RecordTruth(scene=scene)
-    log, shipped = recording.log, _read(LOG, scene)
-    n = len(log.joints.times)
-    np.testing.assert_allclose(
-        log.joints.positions, shipped.joints.positions[:n], atol=1e-4
-    )
-    for a, b in zip(log.detections, shipped.detections, strict=False):
-        assert a.X_CO.IsNearlyEqualTo(b.X_CO, 1e-4)

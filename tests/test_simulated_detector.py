@@ -7,7 +7,7 @@ import pytest
 from recording_fixtures import SCENES, make_parameters
 
 from pbpf_drake.particle_filter_config import PoseStddev
-from pbpf_drake.recording_config import DetectorConfig
+from pbpf_drake.recording_config import DetectorConfig, Range
 from pbpf_drake.scene import LoadScene
 from pbpf_drake.simulated_detector import (
     SimulatedDetector,
@@ -19,7 +19,12 @@ from pbpf_drake.simulated_detector import (
 )
 from pbpf_drake.truth_model import MakeTruth
 
+UNBIASED = {"bias_position": Range(), "bias_rotation": Range()}
 EXACT = PoseStddev(position=0.0, rotation=0.0)
+BIASED = {
+    "bias_position": Range(min=0.02, max=0.05),
+    "bias_rotation": Range(min=0.1, max=0.3),
+}
 X_WC = RigidTransform(RollPitchYaw(-2.0, 0.1, 1.4), [1.1, 0.2, 0.4])
 X_WO = RigidTransform(RollPitchYaw(0.3, -0.5, 2.0), [0.4, 0.3, 0.1])
 # The real traces of the authors' detector; the tests that use them skip where
@@ -31,7 +36,7 @@ def _detect_all(visibility: Sequence, *, seed: int = 0, **config) -> list:
     """Returns the detections in images of that visibility, (N,) or (N, K)."""
     shares = np.reshape(visibility, (len(visibility), -1))
     detector = SimulatedDetector(
-        config=DetectorConfig(**{"bias": EXACT, "noise": EXACT, **config}),
+        config=DetectorConfig(**{**UNBIASED, "noise": EXACT, **config}),
         names=["box", "can"][: shares.shape[1]],
         X_WC=X_WC,
         rng=np.random.default_rng(seed),
@@ -121,7 +126,7 @@ def test_default_outliers_are_as_large_as_real_ones():
 
 def test_an_outlier_comes_on_top_of_bias_and_noise():
     small = {
-        "bias": PoseStddev(position=0.02),
+        "bias_position": Range(min=0.02, max=0.05),
         "noise": PoseStddev(position=0.003),
     }
     outliers = _errors(0.7, count=300)[:, :3]
@@ -141,12 +146,25 @@ def test_a_detection_without_errors_is_the_pose_in_the_camera():
 
 
 def test_bias_is_the_same_in_all_detections_of_a_run():
-    bias = PoseStddev(position=0.02, rotation=0.1)
-    errors = _errors(bias=bias)
+    errors = _errors(**BIASED)
     np.testing.assert_allclose(errors, np.tile(errors[0], (2000, 1)), atol=1e-9)
-    assert np.linalg.norm(errors[0, :3]) > 1e-3
-    assert errors[0, 3] > 1e-3
-    assert not np.allclose(errors[0], _errors(bias=bias, seed=1)[0])
+    assert not np.allclose(errors[0], _errors(**BIASED, seed=1)[0])
+
+
+def test_biases_of_runs_fill_their_range_in_all_directions():
+    errors = np.concatenate(
+        [_errors(**BIASED, count=1, seed=seed) for seed in range(1500)]
+    )
+    distances = np.linalg.norm(errors[:, :3], axis=1)
+    for sizes, low, high in ((distances, 0.02, 0.05), (errors[:, 3], 0.1, 0.3)):
+        assert low <= sizes.min() and sizes.max() <= high
+        np.testing.assert_allclose(
+            np.quantile(sizes, [0.01, 0.5, 0.99]),
+            [low, (low + high) / 2, high],
+            atol=0.05 * (high - low),
+        )
+    units = errors[:, :3] / distances[:, np.newaxis]
+    np.testing.assert_allclose(units.mean(axis=0), 0, atol=0.05)
 
 
 def test_noise_has_the_configured_spread():
@@ -167,7 +185,8 @@ def _trace_steps(scene: int, kind: str) -> float:
 def test_noise_in_a_clear_view_is_that_of_the_real_detector():
     errors = _errors(
         seed=1,
-        bias=PoseStddev(position=0.03, rotation=0.2),
+        bias_position=Range(min=0.05, max=0.05),
+        bias_rotation=Range(min=0.2, max=0.2),
         noise=DetectorConfig().noise,
     )
     distances, angles = np.linalg.norm(errors[:, :3], axis=1), errors[:, 3]
