@@ -154,7 +154,7 @@ def make_detections(
         if class_id not in names_by_class:
             reason = f"of the unknown class {class_id!r}"
             notes.Count(topic, "left out", "detection", reason)
-        elif _usable(pose, topic, "detection", notes):
+        elif is_usable(pose, topic, "detection", notes):
             name = names_by_class[class_id]
             by_name.setdefault(name, []).append(replace(message, value=pose))
     records = []
@@ -181,19 +181,19 @@ def make_pose_record(
         topic: their topic, for messages.
         notes: counts what is left out.
     """
-    kept = [m for m in messages if _usable(m.value, topic, "message", notes)]
+    kept = [m for m in messages if is_usable(m.value, topic, "message", notes)]
     if not kept:
         return None
     kept = _in_order(kept, topic=topic, noun="message", notes=notes)
     return PoseRecord(
         times=_seconds(kept, start),
-        q_WO=np.array([_unit(m.value.q) for m in kept]),
+        q_WO=np.array([unit(m.value.q) for m in kept]),
         p_WO=np.array([m.value.p for m in kept]),
     )
 
 
-def _usable(pose: PoseSample, topic: str, noun: str, notes: LogNotes) -> bool:
-    """Returns whether a pose can be used; counts what is wrong with it."""
+def is_usable(pose: PoseSample, topic: str, noun: str, notes: LogNotes) -> bool:
+    """Tells if a pose can be used; counts what is wrong with it."""
     norm = math.hypot(*pose.q)  # Unlike numpy's, without overflow.
     if not np.all(np.isfinite(pose.p)):
         notes.Count(topic, "left out", noun, "whose position is not finite")
@@ -211,11 +211,12 @@ def _usable(pose: PoseSample, topic: str, noun: str, notes: LogNotes) -> bool:
 
 def _transform(pose: PoseSample) -> RigidTransform:
     return RigidTransform(
-        quaternion=Quaternion(*_unit(pose.q).tolist()), p=pose.p
+        quaternion=Quaternion(*unit(pose.q).tolist()), p=pose.p
     )
 
 
-def _unit(q: np.ndarray) -> np.ndarray:
+def unit(q: np.ndarray) -> np.ndarray:
+    """Returns a quaternion (4,) scaled to unit length."""
     norm = math.hypot(*q)
     # A unit quaternion is kept to the bit.
     return q if abs(norm - 1) < 1e-14 else q / norm

@@ -10,6 +10,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from pbpf_drake.log import DetectionRecord, Log
+from pbpf_drake.log_topics import LogTopics, for_object
 from pbpf_drake.ros2_messages import (
     DETECTION_ARRAY,
     JOINT_STATE,
@@ -19,7 +20,6 @@ from pbpf_drake.ros2_messages import (
     pose_message,
     to_nanoseconds,
 )
-from pbpf_drake.scene import LogTopics
 
 CAMERA_FRAME = "camera_color_optical_frame"
 WORLD_FRAME = "world"
@@ -138,7 +138,7 @@ def _detection(
 
 def _ground_truth(topics: LogTopics, log: Log) -> Iterator[_Entry]:
     for name, record in log.ground_truth.items():
-        topic = topics.ground_truth + name
+        topic = for_object(topics.ground_truth, name)
         for i, time in enumerate(record.times):
             stamp = to_nanoseconds(start_time=log.start_time, time=time)
             message = {
