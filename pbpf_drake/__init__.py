@@ -40,6 +40,7 @@ from pbpf_drake.ground_truth_log_source import GroundTruthLogSource
 from pbpf_drake.joint_log_source import JointLogSource
 from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
 from pbpf_drake.log_error import LogError
+from pbpf_drake.log_inspection import InspectLog
 from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.log_topics import LogTopics
 from pbpf_drake.mcap_log_writer import WriteLog
@@ -110,6 +111,7 @@ __all__ = [
     "EstimateRecorder",
     "FormatTable",
     "GroundTruthLogSource",
+    "InspectLog",
     "JointLogSource",
     "JointRecord",
     "LoadScene",

@@ -6,8 +6,9 @@ off is used up to there. The file's own count of messages tells what is
 missing. Nothing is left out without a sentence in ``damage``.
 """
 
+from bisect import bisect_right
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from io import BytesIO
 import mmap
 from pathlib import Path
@@ -19,6 +20,7 @@ from mcap.opcode import Opcode
 from mcap.records import (
     Channel,
     Chunk,
+    ChunkIndex,
     DataEnd,
     McapRecord,
     Message,
@@ -37,6 +39,7 @@ _END = struct.Struct("<QQI8s")
 _PARSERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.CHANNEL: Channel.read,
     Opcode.CHUNK: Chunk.read,
+    Opcode.CHUNK_INDEX: ChunkIndex.read,
     Opcode.DATA_END: DataEnd.read,
     Opcode.SCHEMA: Schema.read,
     Opcode.STATISTICS: Statistics.read,
@@ -64,6 +67,7 @@ class McapStream:
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
         self._promised: dict[int, int] = {}
+        self._chunks: set[int] = set()
         self._found: Counter[int] = Counter()
 
     def Messages(self) -> Iterator[RawMessage]:
@@ -89,13 +93,15 @@ class McapStream:
                 continue
             if isinstance(record, Statistics):
                 self._promised = record.channel_message_counts
+            elif isinstance(record, ChunkIndex):
+                self._chunks.add(record.chunk_start_offset)
             else:
                 self._Define(record)
 
     def _ReadData(self, data: mmap.mmap) -> Iterator[RawMessage]:
         damaged: Counter[str] = Counter()
-        end = len(MCAP_MAGIC)
-        for opcode, body, end in _records(data, len(MCAP_MAGIC)):
+        begin = end = len(MCAP_MAGIC)
+        for opcode, body, end in _records(data, begin, sorted(self._chunks)):
             try:
                 record = _parse(opcode, body)
                 content = _content(record)
@@ -181,18 +187,47 @@ def _definition(schema: Schema) -> str:
     return schema.data.decode(errors="replace")
 
 
-def _records(data: mmap.mmap, begin: int) -> Iterator[tuple[int, bytes, int]]:
-    """Yields (opcode, content, end) of every whole record from ``begin``."""
+def _records(
+    data: mmap.mmap, begin: int, chunks: Sequence[int] = ()
+) -> Iterator[tuple[int, bytes, int]]:
+    """Yields (opcode, content, end) of every whole record from ``begin``.
+
+    After damage it goes on at the next of the places where chunks are known
+    to start; otherwise it ends there.
+    """
     while True:
-        header = data[begin : begin + _RECORD_HEADER.size]
-        if len(header) < _RECORD_HEADER.size:
+        end = _record_end(data, begin)
+        resume = _next_chunk(data, begin, end or len(data), chunks)
+        if resume is not None:
+            # It is missed when messages are counted.
+            begin = resume
+        elif end is None:
             return
-        opcode, length = _RECORD_HEADER.unpack(header)
-        begin += _RECORD_HEADER.size
-        if begin + length > len(data):
-            return
-        yield opcode, data[begin : begin + length], begin + length
-        begin += length
+        else:
+            yield data[begin], data[begin + _RECORD_HEADER.size : end], end
+            begin = end
+
+
+def _record_end(data: mmap.mmap, begin: int) -> int | None:
+    """Returns where the record at one place ends, if it is whole."""
+    header = data[begin : begin + _RECORD_HEADER.size]
+    if len(header) < _RECORD_HEADER.size:
+        return None
+    _, length = _RECORD_HEADER.unpack(header)
+    end = begin + _RECORD_HEADER.size + length
+    return end if end <= len(data) else None
+
+
+def _next_chunk(
+    data: mmap.mmap, begin: int, end: int, chunks: Sequence[int]
+) -> int | None:
+    """Returns the first known start of a chunk strictly in between."""
+    for chunk in chunks[bisect_right(chunks, begin) :]:
+        if chunk >= end:
+            break
+        if data[chunk] == Opcode.CHUNK and _record_end(data, chunk):
+            return chunk
+    return None
 
 
 def _parse(opcode: int, body: bytes) -> McapRecord | None:

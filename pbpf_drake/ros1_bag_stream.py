@@ -31,9 +31,6 @@ from pbpf_drake.ros1_records import (
     walk_records,
 )
 
-# Connection, time (in nanoseconds), offset in the chunk.
-_Entry = tuple[int, int, int]
-
 
 class Ros1BagStream:
     """The messages of one file; see LogStream."""
@@ -59,6 +56,7 @@ class Ros1BagStream:
         self._checked: set[int] = set()
         self._damaged: Counter[str] = Counter()
         self._unprotected = False
+        self._promised_chunks = 0
 
     def Messages(self) -> Iterator[RawMessage]:
         """Yields the messages.
@@ -68,12 +66,18 @@ class Ros1BagStream:
                 encrypted.
         """
         with open_bytes(self._filename) as data:
-            chunks = self._ReadIndex(data)
-            for record in self._Walk(data, chunks):
+            missing = self._ReadIndex(data)
+            for record in self._Walk(data, sorted(missing)):
+                missing.discard(record.begin if record.kind == CHUNK else -1)
                 if record.kind == CHUNK:
                     yield from self._ReadChunk(record, data)
                 else:
                     yield from self._Select(record)
+        if missing:
+            self.damage.append(
+                f"{plural(len(missing), 'chunk')} can't be found where the "
+                "file's index says"
+            )
         for noun, count in self._damaged.items():
             self.damage.append(f"left out {plural(count, noun)}: damaged")
         if self.damage and self._unprotected:
@@ -82,23 +86,28 @@ class Ros1BagStream:
                 "told from good ones"
             )
 
-    def _ReadIndex(self, data: mmap.mmap) -> list[int]:
+    def _ReadIndex(self, data: mmap.mmap) -> set[int]:
         """Reads the index, and returns where chunks start."""
         place = self._IndexPlace(data)
-        if not len(BAG_MAGIC) < place < len(data):
+        if not len(BAG_MAGIC) < place <= len(data):
             self.damage.append(
                 "the file has no index: its recording was broken off, or its "
                 "end is missing"
             )
-            return []
-        chunks = []
+            return set()
+        chunks = set()
         for record in _whole_records(data, place):
             # Of connections the first copies may be damaged.
             if record.kind == CONNECTION:
                 self._Define(record)
             elif record.kind == CHUNK_INFO:
-                chunks.append(record.Number("chunk_pos"))
-        return sorted(chunks)
+                chunks.add(record.Number("chunk_pos"))
+        if len(chunks) != self._promised_chunks:
+            self.damage.append(
+                f"the file's index names {plural(len(chunks), 'chunk')}, but "
+                f"the file says that it has {self._promised_chunks}"
+            )
+        return chunks
 
     def _IndexPlace(self, data: mmap.mmap) -> int:
         header = next(_whole_records(data, len(BAG_MAGIC)), None)
@@ -107,6 +116,7 @@ class Ros1BagStream:
         encryptor = header.fields.get("encryptor")
         if encryptor:
             raise LogError(f"it is encrypted, by {encryptor!r}")
+        self._promised_chunks = header.Number("chunk_count")
         return header.Number("index_pos")
 
     def _Walk(self, data: mmap.mmap, chunks: list[int]) -> Iterator[Record]:
@@ -136,32 +146,27 @@ class Ros1BagStream:
         def lost(begin: int, end: int) -> None:
             self._damaged["part of a chunk"] += 1
 
-        promised = Counter(_index_after(data, chunk.end))
-        found: Counter[_Entry] = Counter()
+        index = dict(_index_after(data, chunk.end))
+        found = set()
         for record in walk_records(
             content,
             begin=0,
             end=len(content),
-            starts=sorted({offset for _, _, offset in promised}),
+            starts=sorted(index),
             lost=lost,
         ):
             if record.kind == MESSAGE:
-                entry = record.Number("conn"), record.Time(), record.begin
-                found[entry] += 1
+                found.add(record.begin)
+                entry = record.Number("conn"), record.Time()
+                if index.get(record.begin, entry) != entry:
+                    self._damaged["message unlike its index"] += 1
+                    continue
             yield from self._Select(record)
-        # What is cut off has no index, and is said to be.
-        if promised:
-            self._CompareIndex(found, promised)
-
-    def _CompareIndex(
-        self, found: Counter[_Entry], promised: Counter[_Entry]
-    ) -> None:
-        # A message that differs is in both.
-        count = max((found - promised).total(), (promised - found).total())
+        count = len(found ^ set(index))
         if count:
             self.damage.append(
                 f"{plural(count, 'message')} of a chunk can't be found, or "
-                "not as the chunk's index says"
+                "are not in its index"
             )
 
     def _Select(self, record: Record) -> Iterator[RawMessage]:
@@ -215,9 +220,17 @@ def _whole_records(data: mmap.mmap, begin: int) -> Iterator[Record]:
     )
 
 
-def _index_after(data: mmap.mmap, begin: int) -> Iterator[_Entry]:
-    """Yields the entries of a chunk's index, which follows it."""
+def _index_after(
+    data: mmap.mmap, begin: int
+) -> Iterator[tuple[int, tuple[int, int]]]:
+    """Yields the messages of a chunk by its index, which follows it.
+
+    Yields:
+        The offset in the chunk, and the number of the connection and the time
+        (in nanoseconds).
+    """
     for record in _whole_records(data, begin):
         if record.kind != INDEX:
             return
-        yield from index_entries(record)
+        for connection, time, offset in index_entries(record):
+            yield offset, (connection, time)
