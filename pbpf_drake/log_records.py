@@ -16,6 +16,7 @@ from pydrake.math import RigidTransform
 from pbpf_drake.log import DetectionRecord, JointRecord, PoseRecord
 from pbpf_drake.log_clock import Stamped
 from pbpf_drake.log_error import LogError
+from pbpf_drake.log_jumps import find_jumps
 from pbpf_drake.log_notes import LogNotes
 
 _DUPLICATE = "with the stamp of an earlier one"
@@ -63,6 +64,8 @@ def make_joint_record(
     wanted = list(names.values())
     kept = _whole_joint_states(messages, wanted, topic, notes)
     kept = _in_order(kept, topic=topic, noun="message", notes=notes)
+    rows = np.array([_row(m.value, wanted) for m in kept])
+    kept = _without_jumps(kept, rows, topic, notes)
     start = kept[0].time
     record = JointRecord(
         names=tuple(names),
@@ -185,6 +188,8 @@ def make_pose_record(
     if not kept:
         return None
     kept = _in_order(kept, topic=topic, noun="message", notes=notes)
+    positions = np.array([m.value.p for m in kept])
+    kept = _without_jumps(kept, positions, topic, notes)
     return PoseRecord(
         times=_seconds(kept, start),
         q_WO=np.array([unit(m.value.q) for m in kept]),
@@ -238,6 +243,27 @@ def _in_order(
         else:
             kept.append(message)
     return kept
+
+
+def _without_jumps(
+    messages: Sequence[Stamped],
+    values: np.ndarray,
+    topic: str,
+    notes: LogNotes,
+) -> list[Stamped]:
+    """Returns the messages without those that can only be damaged.
+
+    Args:
+        messages: in order.
+        values: (N, n) what they say, in meters or radians.
+        topic: their topic, for messages.
+        notes: counts what is left out.
+    """
+    jumps = find_jumps(_seconds(messages, messages[0].time), values)
+    for _ in range(np.count_nonzero(jumps)):
+        reason = "that is too far from those before and after it"
+        notes.Count(topic, "left out", "message", reason)
+    return [m for m, jump in zip(messages, jumps, strict=True) if not jump]
 
 
 def _seconds(messages: Sequence[Stamped], start: int) -> np.ndarray:

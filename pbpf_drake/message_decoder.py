@@ -1,6 +1,8 @@
 """Decodes the messages of ROS 1 and ROS 2."""
 
 from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 from typing import Any
 
 from mcap.records import Schema
@@ -54,7 +56,9 @@ def _make_decoder(encoding: str, kind: str, definition: str) -> _Decode:
     schema = Schema(
         id=1, data=definition.encode(), encoding="ros2msg", name=kind
     )
-    decode = DecoderFactory().decoder_for("cdr", schema)
+    # The library prints what it thinks of a damaged definition.
+    with redirect_stderr(StringIO()), redirect_stdout(StringIO()):
+        decode = DecoderFactory().decoder_for("cdr", schema)
     if decode is None:
         raise ValueError("no definition")
     return decode

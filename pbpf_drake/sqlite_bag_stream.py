@@ -4,11 +4,13 @@ Messages are rows with consecutive numbers. Where the database can't be read,
 reading goes on at the next row that can. The format has no checksums.
 """
 
-from collections import Counter
 from collections.abc import Collection, Iterator
 from contextlib import closing
+import os
 from pathlib import Path
+import shutil
 import sqlite3
+import tempfile
 from typing import Any
 from urllib.parse import quote
 
@@ -18,8 +20,8 @@ from pbpf_drake.log_stream import RawMessage
 
 SQLITE_MAGIC = b"SQLite format 3\0"
 _ROWS = "SELECT id, topic_id, timestamp, data FROM messages"
-# After so many rows that can't be read, more are passed over at once.
-_PATIENCE = 1000
+# After so many rows that can't be read, ever more are passed over at once.
+_PATIENCE = 200
 
 # Number, topic, time, data.
 _Row = tuple[Any, Any, Any, Any]
@@ -54,7 +56,10 @@ class SqliteBagStream:
         Raises:
             LogError: there is no such file, or it is not a ROS 2 bag.
         """
-        with closing(self._Connect()) as database:
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            closing(_connect(self._Mended(Path(folder)))) as database,
+        ):
             self._ReadTopics(database)
             for row in self._Rows(database):
                 yield from self._Select(row)
@@ -70,22 +75,31 @@ class SqliteBagStream:
                 "told from good ones"
             )
 
-    def _Connect(self) -> sqlite3.Connection:
+    def _Mended(self, folder: Path) -> Path:
+        """Returns the file, or a copy of it that ends with a whole page.
+
+        What SQLite reads of a page that is cut off is zeros.
+        """
         path = self._filename.absolute()
-        if not path.is_file():
-            raise LogError("it can't be opened: no such file")
-        # Without a journal beside it nothing else writes to the file.
-        journal = path.with_name(path.name + "-wal")
-        mode = "mode=ro" if journal.exists() else "mode=ro&immutable=1"
-        database = sqlite3.connect(f"file:{quote(str(path))}?{mode}", uri=True)
-        database.text_factory = lambda text: text.decode(errors="replace")
-        # Otherwise SQLite refuses a file whose end is missing.
-        database.execute("PRAGMA writable_schema = ON")
-        return database
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            header = file.read(32)
+        page = int.from_bytes(header[16:18], "big")
+        page = 65536 if page == 1 else page
+        expected = page * int.from_bytes(header[28:32], "big")
+        if size < expected:
+            self.damage.append(
+                f"the file is cut off: it has {size} of {expected} bytes"
+            )
+        if not page or size % page == 0:
+            return path
+        copy = folder / path.name
+        shutil.copyfile(path, copy)
+        os.truncate(copy, size - size % page)
+        return copy
 
     def _ReadTopics(self, database: sqlite3.Connection) -> None:
         try:
-            columns = _columns(database, "topics")
             definitions = self._Definitions(database)
             rows = database.execute(
                 "SELECT id, name, type, serialization_format FROM topics"
@@ -95,7 +109,6 @@ class SqliteBagStream:
                 f"it is an SQLite file without the topics of a ROS 2 bag, or "
                 f"they are damaged ({error})"
             ) from error
-        assert columns
         for number, topic, kind, encoding in rows:
             if not isinstance(topic, str) or not isinstance(kind, str):
                 self.damage.append("left out 1 topic: damaged")
@@ -124,26 +137,29 @@ class SqliteBagStream:
 
     def _Rows(self, database: sqlite3.Connection) -> Iterator[_Row]:
         """Yields the rows in order, and passes over those that are damaged."""
+        query = f"{_ROWS} WHERE id > ? ORDER BY id"
         last = _last_number(database)
-        number, failures, lost = -1, 0, Counter[str]()
-        while True:
+        # The number of the last row that was good, and of that before the one
+        # to try next.
+        good = number = -1
+        failures, reason = 0, ""
+        while number < last:
             try:
-                query = f"{_ROWS} WHERE id > ? ORDER BY id"
                 for row in database.execute(query, (number,)):
-                    number = row[0]
+                    if failures:
+                        self._Lost(f"{good + 1} to {row[0] - 1}", reason)
+                    failures, good = 0, row[0]
+                    number = good
                     yield row
                 break
             except sqlite3.Error as error:
-                # Of rows that are far apart only few are tried.
-                failures += 1
-                number += 1 + failures // _PATIENCE
-                lost[str(error)] += 1
-                if number >= last or failures > 100 * _PATIENCE:
-                    break
-        for reason, count in lost.items():
-            self.damage.append(
-                f"left out about {plural(count, 'message')}: {reason}"
-            )
+                failures, reason = failures + 1, str(error)
+                number += 2 ** max(0, failures - _PATIENCE)
+        if failures:
+            self._Lost(f"after {good}", reason)
+
+    def _Lost(self, numbers: str, reason: str) -> None:
+        self.damage.append(f"left out the messages {numbers}: {reason}")
 
     def _Select(self, row: _Row) -> Iterator[RawMessage]:
         _, number, time, data = row
@@ -155,6 +171,17 @@ class SqliteBagStream:
         elif self._topics is None or known[0] in self._topics:
             topic, kind, encoding, text = known
             yield RawMessage(topic, kind, encoding, text, time, data)
+
+
+def _connect(path: Path) -> sqlite3.Connection:
+    # Without a journal beside it nothing else writes to the file.
+    journal = path.with_name(path.name + "-wal")
+    mode = "mode=ro" if journal.exists() else "mode=ro&immutable=1"
+    database = sqlite3.connect(f"file:{quote(str(path))}?{mode}", uri=True)
+    database.text_factory = lambda text: text.decode(errors="replace")
+    # Otherwise SQLite refuses a file whose end is missing.
+    database.execute("PRAGMA writable_schema = ON")
+    return database
 
 
 def _columns(database: sqlite3.Connection, table: str) -> list[str]:
