@@ -30,6 +30,7 @@ def definition_matches(kind: str, definition: str, checksum: str) -> bool:
         return False
 
 
+@lru_cache(maxsize=1000)
 def _parse(kind: str, definition: str) -> tuple[Any, str]:
     """Returns a store of types with this one in it, and its name there."""
     # It takes a while to import, and only bags need it.
