@@ -4,7 +4,7 @@ The file is walked record by record; its index, which a recording that was
 broken off lacks, only helps on after damage. A chunk that can't be unpacked is
 left out and the next one is read. What follows a chunk says which messages are
 in it: what differs is told in ``damage``. Only chunks that are compressed have
-a checksum.
+checksums.
 """
 
 from collections import Counter
@@ -25,6 +25,7 @@ from pbpf_drake.ros1_records import (
     INDEX,
     MESSAGE,
     Record,
+    has_checksum,
     index_entries,
     parse_fields,
     unpack_chunk,
@@ -140,8 +141,7 @@ class Ros1BagStream:
         except Exception:  # Damage can show in any way.
             self._damaged["chunk"] += 1
             return
-        if chunk.fields["compression"] == b"none":
-            self._unprotected = True
+        self._unprotected |= not has_checksum(chunk)
 
         def lost(begin: int, end: int) -> None:
             self._damaged["part of a chunk"] += 1

@@ -182,3 +182,12 @@ def unpack_chunk(record: Record) -> bytes:
     if not whole or len(content) != size:
         raise ValueError("its size is wrong")
     return content
+
+
+def has_checksum(chunk: Record) -> bool:
+    """Tells if damage in a chunk shows when it is unpacked."""
+    compression = chunk.Text("compression")
+    # Of a frame of lz4 that is optional: bit 2 of the byte after the magic.
+    return compression == "bz2" or (
+        compression == "lz4" and bool(chunk.data[4] & 0b100)
+    )

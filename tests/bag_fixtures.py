@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import lz4.frame
 from mcap_ros2.writer import Writer as McapWriter
 import numpy as np
 from rosbags.rosbag1 import Writer as Ros1Writer
@@ -47,6 +48,11 @@ def write_ros1(
     if compression != "none":
         writer.set_compression(
             Ros1Writer.CompressionFormat[compression.upper()]
+        )
+    if compression == "lz4":
+        # As ROS does; the library leaves the checksum out.
+        writer.compressor = lambda data: lz4.frame.compress(
+            data, content_checksum=True
         )
     writer.chunk_threshold = _CHUNK
     with writer:
