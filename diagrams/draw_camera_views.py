@@ -39,7 +39,7 @@ from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import CameraConfig, LoadScene, Scene
 from pbpf_drake.scene_models import AddSceneModels, data_folder
 from pbpf_drake.track_record import TrackRecord
-from pbpf_drake.tracking import Track
+from pbpf_drake.tracking import SceneOfLog, Track
 
 _COLORS = {"dope": "#FFD500"}
 _ESTIMATE_COLOR = "#19E05A"
@@ -219,6 +219,7 @@ def run(args: argparse.Namespace) -> None:
     scene = LoadScene(args.scene)
     joint_names = MakePredictionModel(scene).joint_names
     log = ReadLog(filename=args.log, scene=scene, joint_names=joint_names)
+    scene = SceneOfLog(scene, log)
     records = [
         Track(scene=scene, log=log, method=method)
         for method in dict.fromkeys(("dope", args.method))

@@ -87,6 +87,7 @@ from pbpf_drake.tracking import (
     DefaultConfig,
     MakeTrackingDiagram,
     NumSteps,
+    SceneOfLog,
     Track,
     TrackingDiagram,
 )
@@ -142,6 +143,7 @@ __all__ = [
     "SaveReplay",
     "Scene",
     "SceneModels",
+    "SceneOfLog",
     "SingleSnapshotEstimator",
     "Track",
     "TrackRecord",

@@ -35,6 +35,8 @@ from pbpf_drake.tf_joints import tf_joint_samples
 from pbpf_drake.transform_tree import TransformTree, make_transform_tree
 
 _ARRAYS = (DETECTION_ARRAY,)
+# Of 64 bits with a sign (in nanoseconds), which is in the year 2262.
+_MAX_TIME = 2**63 - 1
 _Timed = TypeVar("_Timed", RawStamped, Stamped)
 
 
@@ -117,6 +119,8 @@ class _LogReader:
     def _Decode(self, message: RawMessage) -> list[RawStamped]:
         """Returns what a message says; nothing if it is damaged."""
         try:
+            if message.log_time > _MAX_TIME:
+                raise ValueError("the time can't be")
             decoded = self._decoder.Decode(message)
             samples = extract_samples(message.type, decoded)
         except Exception:  # Damage can show in any way.

@@ -66,7 +66,7 @@ def MakeTrackingDiagram(
         ValueError: the scene's models don't fit their roles, or a field of
             the config is out of range.
     """
-    scene = scene_of_log(scene, log)
+    scene = SceneOfLog(scene, log)
     builder = DiagramBuilder()
     joints = builder.AddNamedSystem(
         "joint_log_source", JointLogSource(record=log.joints)
@@ -158,7 +158,7 @@ def Track(
     return _MakeRecord(scene, method, config, rows, tracking.update_seconds)
 
 
-def scene_of_log(scene: Scene, log: Log) -> Scene:
+def SceneOfLog(scene: Scene, log: Log) -> Scene:
     """Returns the scene with the camera where the log says that it was."""
     if log.X_WC is None:
         return scene

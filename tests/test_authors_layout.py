@@ -6,6 +6,8 @@ from authors_fixtures import TRUTH_IDS, authors_entries
 from bag_fixtures import write_mcap, write_ros1
 from filter_fixtures import SCENES
 import numpy as np
+from pydrake.common.schema import Transform
+from pydrake.math import RigidTransform
 import pytest
 
 from pbpf_drake.log_reader import ReadLog
@@ -66,7 +68,10 @@ def authors_scene(tmp_path_factory):
     text = text.replace("  cracker: {}\n", tracked)
     path = tmp_path_factory.mktemp("scene") / "scene.yaml"
     path.write_text(text + "\ntopics: {preset: authors}\n")
-    return LoadScene(path)
+    scene = LoadScene(path)
+    # The camera is in the log, whatever the scene says.
+    scene.camera.X_WC = Transform(RigidTransform([1.0, 2.0, 3.0]))
+    return scene
 
 
 @pytest.fixture(scope="module", params=["bag", "mcap"])
