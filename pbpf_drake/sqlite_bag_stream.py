@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator
 from contextlib import closing
 import os
 from pathlib import Path
+import re
 import shutil
 import sqlite3
 import tempfile
@@ -110,8 +111,8 @@ class SqliteBagStream:
                 f"they are damaged ({error})"
             ) from error
         for number, topic, kind, encoding in rows:
-            if not isinstance(topic, str) or not isinstance(kind, str):
-                self.damage.append("left out 1 topic: damaged")
+            if not _is_name(topic) or not _is_name(kind):
+                self.damage.append(f"left out the topic {topic!r}: damaged")
                 continue
             text = definitions.get(kind, "")
             self._known[number] = topic, kind, str(encoding), text
@@ -182,6 +183,11 @@ def _connect(path: Path) -> sqlite3.Connection:
     # Otherwise SQLite refuses a file whose end is missing.
     database.execute("PRAGMA writable_schema = ON")
     return database
+
+
+def _is_name(text: Any) -> bool:
+    """Tells if a topic or a type can have this name."""
+    return isinstance(text, str) and bool(re.fullmatch(r"[\w/~]+", text, re.A))
 
 
 def _columns(database: sqlite3.Connection, table: str) -> list[str]:

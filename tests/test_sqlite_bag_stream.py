@@ -101,6 +101,14 @@ def test_what_is_no_row_of_a_bag_is_left_out(file):
     assert count_wrong(log, expected_log()) == 0
 
 
+def test_a_topic_with_a_name_that_can_not_be_is_said(file, whole):
+    at = whole.index(b"/ground_truth/boxgeometry_msgs")
+    file.write_bytes(whole[:at] + b"\xd8" + whole[at + 1 :])
+    log = _read(file)
+    assert log.ground_truth == {}
+    assert any("left out the topic" in w for w in log.warnings)
+
+
 def test_what_a_recorder_left_in_its_journal_is_read(tmp_path, whole):
     path = tmp_path / "live" / "log.db3"
     path.parent.mkdir()
