@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import LoadScene, Scene
 from pbpf_drake.scene_models import data_folder

@@ -20,7 +20,7 @@ from tqdm import tqdm
 
 from pbpf_drake.diagrams.executors import LocalExecutor
 from pbpf_drake.diagrams.run_command import RunCommand
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.particle_filter_config import METHODS
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.report import MakeReport

@@ -31,7 +31,7 @@ from pydrake.systems.sensors import CameraInfo
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.joint_log_source import interpolate_joints
 from pbpf_drake.log import Log
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.particle_filter_config import METHODS
 from pbpf_drake.pose_conversion import rigid_transform
 from pbpf_drake.pose_interpolation import interpolate_poses
@@ -39,7 +39,7 @@ from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import CameraConfig, LoadScene, Scene
 from pbpf_drake.scene_models import AddSceneModels, data_folder
 from pbpf_drake.track_record import TrackRecord
-from pbpf_drake.tracking import Track
+from pbpf_drake.tracking import SceneOfLog, Track
 
 _COLORS = {"dope": "#FFD500"}
 _ESTIMATE_COLOR = "#19E05A"
@@ -219,6 +219,7 @@ def run(args: argparse.Namespace) -> None:
     scene = LoadScene(args.scene)
     joint_names = MakePredictionModel(scene).joint_names
     log = ReadLog(filename=args.log, scene=scene, joint_names=joint_names)
+    scene = SceneOfLog(scene, log)
     records = [
         Track(scene=scene, log=log, method=method)
         for method in dict.fromkeys(("dope", args.method))

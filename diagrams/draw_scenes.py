@@ -15,7 +15,7 @@ from pbpf_drake.diagrams.draw_camera_views import CameraView
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.joint_log_source import interpolate_joints
 from pbpf_drake.log import Log
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.pose_conversion import rigid_transform
 from pbpf_drake.pose_interpolation import interpolate_poses
 from pbpf_drake.prediction_model import MakePredictionModel

@@ -24,7 +24,7 @@ from pbpf_drake.diagrams.executors import LocalExecutor
 from pbpf_drake.diagrams.planar_push_log import ReadPlanarPush
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.log import Log
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.pose_errors import compute_errors
 from pbpf_drake.scene import LoadScene, Scene

@@ -16,7 +16,7 @@ import numpy as np
 
 from pbpf_drake.diagrams.code_digest import code_digest
 from pbpf_drake.log import Log
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.object_points import MakeObjectPoints
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
@@ -37,7 +37,7 @@ from pbpf_drake.scene_models import data_folder
 from pbpf_drake.symmetry import SymmetryConfig
 from pbpf_drake.track_record import TrackRecord
 from pbpf_drake.tracking import DefaultConfig, Track
-from pbpf_drake.truth_simulation import RecordTruth
+from pbpf_drake.truth_simulation import RecordRun
 
 # Of every object and update; the rotations in radians, the others in meters.
 METRICS = ("position", "rotation", "symmetric_rotation", "add", "add_s", "mssd")
@@ -121,7 +121,6 @@ def load_run(scene_run: SceneRun) -> Scene:
         FileNotFoundError, ValueError: there is no such scene.
     """
     scene = LoadScene(scene_path(scene_run.scene))
-    scene.recording.seed = scene_run.run
     if scene_run.duration is not None:
         scene.recording.duration = scene_run.duration
     return scene
@@ -158,7 +157,7 @@ def record(scene_run: SceneRun, code: str) -> bytes:
     """
     _check_code(code)
     scene = load_run(scene_run)
-    recording = RecordTruth(scene=scene)
+    recording = RecordRun(scene=scene, run=scene_run.run)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "log.mcap"
         classes = {name: c for c, name in scene.object_by_class().items()}

@@ -69,7 +69,14 @@ def ReadPlanarPush(
             times=times,
             positions=np.column_stack([rows[n] for n in _JOINT_NAMES]),
         ),
-        detections=_Detect(truth, times[-1], seed, X_WC, object_name, blackout),
+        detections=SimulateDetections(
+            truth,
+            duration=times[-1],
+            seed=seed,
+            X_WC=X_WC,
+            object_name=object_name,
+            blackout=(blackout[0] * times[-1], blackout[1] * times[-1]),
+        ),
         ground_truth={object_name: truth},
         start_time=_START_TIME,
     )
@@ -94,14 +101,25 @@ def _Truth(times: np.ndarray, rows: np.ndarray, height: float) -> PoseRecord:
     )
 
 
-def _Detect(
+def SimulateDetections(
     truth: PoseRecord,
+    *,
     duration: float,
     seed: int,
     X_WC: RigidTransform,
-    name: str,
+    object_name: str,
     blackout: tuple[float, float],
 ) -> tuple[DetectionRecord, ...]:
+    """Returns the truth with noise at 15 Hz, but nothing in a blackout.
+
+    Args:
+        truth: the motion of the object.
+        duration: of the log (in seconds).
+        seed: of the noise.
+        X_WC: pose of the camera.
+        object_name: the name of the tracked model.
+        blackout: when nothing is detected, its ends included (in seconds).
+    """
     stamps = np.arange(0.0, min(duration, truth.times[-1]), 1 / _DETECTION_RATE)
     q, p = interpolate_poses(truth, stamps)
     rng = np.random.default_rng(seed)
@@ -111,12 +129,13 @@ def _Detect(
         _ROTATION_STDDEV * rng.standard_normal(p.shape),
     )
     X_CW = X_WC.inverse()
-    hidden = (stamps >= blackout[0] * duration) & (
-        stamps <= blackout[1] * duration
-    )
+    hidden = (stamps >= blackout[0]) & (stamps <= blackout[1])
     return tuple(
         DetectionRecord(
-            name=name, time=t, received=t, X_CO=X_CW @ rigid_transform(pose)
+            name=object_name,
+            time=t,
+            received=t,
+            X_CO=X_CW @ rigid_transform(pose),
         )
         for t, pose in zip(stamps[~hidden], noisy[~hidden], strict=True)
     )

@@ -17,7 +17,8 @@ from tqdm import tqdm
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.error_plot import PlotErrors
 from pbpf_drake.log import Log
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_inspection import InspectLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.particle_filter_config import METHODS, ParticleFilterConfig
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.report import (
@@ -44,7 +45,8 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     )
     add = parser.add_argument
     add("--log", type=Path, default=folder / "logs" / "cheezit_1.mcap",
-        help="MCAP file of ROS 2 messages")  # fmt: skip
+        help="MCAP file, ROS 1 bag, or ROS 2 bag or its "
+        "folder")  # fmt: skip
     add("--scene", type=Path, default=folder / "scenes" / "cheezit_1.yaml",
         help="YAML file of the scene")  # fmt: skip
     add("--method", choices=METHODS, default="pbpf-v",
@@ -56,6 +58,9 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     add("--threads", type=int, default=os.cpu_count(),
         help="that simulate particles; results don't depend on "
         "it")  # fmt: skip
+    add("--inspect", type=Path, metavar="LOG",
+        help="only say what is in this log, what of it is used, and what is "
+        "missing")  # fmt: skip
     add("--out", type=Path, default=Path("pbpf_out"),
         help="folder to write to")  # fmt: skip
     return parser.parse_args(argv)
@@ -99,8 +104,14 @@ def run(args: argparse.Namespace) -> None:
             be used; the message says why.
     """
     scene = LoadScene(args.scene)
-    config = _config(args, scene)
     joint_names = MakePredictionModel(scene).joint_names
+    if args.inspect:
+        text = InspectLog(
+            filename=args.inspect, scene=scene, joint_names=joint_names
+        )
+        print(text)
+        return
+    config = _config(args, scene)
     log = ReadLog(filename=args.log, scene=scene, joint_names=joint_names)
     if NumSteps(log, config) < 1:
         raise ValueError(

@@ -40,7 +40,9 @@ from pbpf_drake.ground_truth_log_source import GroundTruthLogSource
 from pbpf_drake.joint_log_source import JointLogSource
 from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
 from pbpf_drake.log_error import LogError
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_inspection import InspectLog
+from pbpf_drake.log_reader import ReadLog
+from pbpf_drake.log_topics import LogTopics
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.motion_model import (
     ConstantVelocityMotionModel,
@@ -74,7 +76,6 @@ from pbpf_drake.report import FormatTable, MakeReport, WriteErrors, WriteReport
 from pbpf_drake.scene import (
     CameraConfig,
     LoadScene,
-    LogTopics,
     Scene,
     TrackedObject,
 )
@@ -87,6 +88,7 @@ from pbpf_drake.tracking import (
     DefaultConfig,
     MakeTrackingDiagram,
     NumSteps,
+    SceneOfLog,
     Track,
     TrackingDiagram,
 )
@@ -111,6 +113,7 @@ __all__ = [
     "EstimateRecorder",
     "FormatTable",
     "GroundTruthLogSource",
+    "InspectLog",
     "JointLogSource",
     "JointRecord",
     "LoadScene",
@@ -141,6 +144,7 @@ __all__ = [
     "SaveReplay",
     "Scene",
     "SceneModels",
+    "SceneOfLog",
     "SingleSnapshotEstimator",
     "SymmetryConfig",
     "Track",

@@ -69,6 +69,8 @@ class Log:
         start_time: time of the first joint state since the epoch (in
             nanoseconds), which times in this log are relative to.
         warnings: one sentence for everything that was left out, and why.
+        X_WC: pose of the camera's optical frame in the world; None where it
+            is that of the scene. Detections are in this camera.
     """
 
     joints: JointRecord
@@ -76,6 +78,7 @@ class Log:
     ground_truth: dict[str, PoseRecord] = field(default_factory=dict)
     start_time: int = 0
     warnings: tuple[str, ...] = ()
+    X_WC: RigidTransform | None = None
 
     @property
     def duration(self) -> float:

@@ -16,6 +16,7 @@ from pydrake.math import RigidTransform
 from pbpf_drake.log import DetectionRecord, JointRecord, PoseRecord
 from pbpf_drake.log_clock import Stamped
 from pbpf_drake.log_error import LogError
+from pbpf_drake.log_jumps import find_jumps
 from pbpf_drake.log_notes import LogNotes
 
 _DUPLICATE = "with the stamp of an earlier one"
@@ -63,6 +64,8 @@ def make_joint_record(
     wanted = list(names.values())
     kept = _whole_joint_states(messages, wanted, topic, notes)
     kept = _in_order(kept, topic=topic, noun="message", notes=notes)
+    rows = np.array([_row(m.value, wanted) for m in kept])
+    kept = _without_jumps(kept, rows, topic, notes)
     start = kept[0].time
     record = JointRecord(
         names=tuple(names),
@@ -154,7 +157,7 @@ def make_detections(
         if class_id not in names_by_class:
             reason = f"of the unknown class {class_id!r}"
             notes.Count(topic, "left out", "detection", reason)
-        elif _usable(pose, topic, "detection", notes):
+        elif is_usable(pose, topic, "detection", notes):
             name = names_by_class[class_id]
             by_name.setdefault(name, []).append(replace(message, value=pose))
     records = []
@@ -181,19 +184,21 @@ def make_pose_record(
         topic: their topic, for messages.
         notes: counts what is left out.
     """
-    kept = [m for m in messages if _usable(m.value, topic, "message", notes)]
+    kept = [m for m in messages if is_usable(m.value, topic, "message", notes)]
     if not kept:
         return None
     kept = _in_order(kept, topic=topic, noun="message", notes=notes)
+    positions = np.array([m.value.p for m in kept])
+    kept = _without_jumps(kept, positions, topic, notes)
     return PoseRecord(
         times=_seconds(kept, start),
-        q_WO=np.array([_unit(m.value.q) for m in kept]),
+        q_WO=np.array([unit(m.value.q) for m in kept]),
         p_WO=np.array([m.value.p for m in kept]),
     )
 
 
-def _usable(pose: PoseSample, topic: str, noun: str, notes: LogNotes) -> bool:
-    """Returns whether a pose can be used; counts what is wrong with it."""
+def is_usable(pose: PoseSample, topic: str, noun: str, notes: LogNotes) -> bool:
+    """Tells if a pose can be used; counts what is wrong with it."""
     norm = math.hypot(*pose.q)  # Unlike numpy's, without overflow.
     if not np.all(np.isfinite(pose.p)):
         notes.Count(topic, "left out", noun, "whose position is not finite")
@@ -211,11 +216,12 @@ def _usable(pose: PoseSample, topic: str, noun: str, notes: LogNotes) -> bool:
 
 def _transform(pose: PoseSample) -> RigidTransform:
     return RigidTransform(
-        quaternion=Quaternion(*_unit(pose.q).tolist()), p=pose.p
+        quaternion=Quaternion(*unit(pose.q).tolist()), p=pose.p
     )
 
 
-def _unit(q: np.ndarray) -> np.ndarray:
+def unit(q: np.ndarray) -> np.ndarray:
+    """Returns a quaternion (4,) scaled to unit length."""
     norm = math.hypot(*q)
     # A unit quaternion is kept to the bit.
     return q if abs(norm - 1) < 1e-14 else q / norm
@@ -237,6 +243,27 @@ def _in_order(
         else:
             kept.append(message)
     return kept
+
+
+def _without_jumps(
+    messages: Sequence[Stamped],
+    values: np.ndarray,
+    topic: str,
+    notes: LogNotes,
+) -> list[Stamped]:
+    """Returns the messages without those that can only be damaged.
+
+    Args:
+        messages: in order.
+        values: (N, n) what they say, in meters or radians.
+        topic: their topic, for messages.
+        notes: counts what is left out.
+    """
+    jumps = find_jumps(_seconds(messages, messages[0].time), values)
+    for _ in range(np.count_nonzero(jumps)):
+        reason = "that is too far from those before and after it"
+        notes.Count(topic, "left out", "message", reason)
+    return [m for m, jump in zip(messages, jumps, strict=True) if not jump]
 
 
 def _seconds(messages: Sequence[Stamped], start: int) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from pbpf_drake.log import DetectionRecord, Log
+from pbpf_drake.log_topics import LogTopics, for_object, is_frame
 from pbpf_drake.ros2_messages import (
     DETECTION_ARRAY,
     JOINT_STATE,
@@ -19,7 +20,6 @@ from pbpf_drake.ros2_messages import (
     pose_message,
     to_nanoseconds,
 )
-from pbpf_drake.scene import LogTopics
 
 CAMERA_FRAME = "camera_color_optical_frame"
 WORLD_FRAME = "world"
@@ -56,16 +56,10 @@ def WriteLog(
 
     Raises:
         ValueError: a time of the log is not after the epoch. ROS reads the
-            stamp zero as none, so set ``log.start_time``.
+            stamp zero as none, so set ``log.start_time``. Or the scene's
+            topics are frames of tf.
     """
-    entries = [
-        *_joint_states(scene_topics, log),
-        *_detections(scene_topics, log, class_ids or {}),
-        *_ground_truth(scene_topics, log),
-    ]
-    _check_stamps(log, entries)
-    # Sorting is stable: what was received at once stays in this order.
-    entries.sort(key=lambda entry: entry[0])
+    entries = log_entries(log, scene_topics, class_ids or {})
     with Writer(str(filename), chunk_size=CHUNK_SIZE) as writer:
         schemas = {
             name: writer.register_msgdef(name, message_definition(name))
@@ -78,6 +72,30 @@ def WriteLog(
                 message=message,
                 log_time=log_time,
             )
+
+
+def log_entries(
+    log: Log, topics: LogTopics, class_ids: Mapping[str, str]
+) -> list[_Entry]:
+    """Returns the messages that WriteLog writes, as they were received.
+
+    Args:
+        log, topics, class_ids: see WriteLog.
+    """
+    sources = (topics.detections, topics.ground_truth)
+    if topics.tf_joints or any(is_frame(source) for source in sources):
+        raise ValueError(
+            f"topics of the preset {topics.preset!r} are partly in tf; "
+            "expected topics for joint states, detections and ground truth"
+        )
+    entries = [
+        *_joint_states(topics, log),
+        *_detections(topics, log, class_ids),
+        *_ground_truth(topics, log),
+    ]
+    _check_stamps(log, entries)
+    # Sorting is stable: what was received at once stays in this order.
+    return sorted(entries, key=lambda entry: entry[0])
 
 
 def _joint_states(topics: LogTopics, log: Log) -> Iterator[_Entry]:
@@ -138,7 +156,7 @@ def _detection(
 
 def _ground_truth(topics: LogTopics, log: Log) -> Iterator[_Entry]:
     for name, record in log.ground_truth.items():
-        topic = topics.ground_truth + name
+        topic = for_object(topics.ground_truth, name)
         for i, time in enumerate(record.times):
             stamp = to_nanoseconds(start_time=log.start_time, time=time)
             message = {

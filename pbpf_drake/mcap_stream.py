@@ -6,9 +6,9 @@ off is used up to there. The file's own count of messages tells what is
 missing. Nothing is left out without a sentence in ``damage``.
 """
 
+from bisect import bisect_right
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Sequence
 from io import BytesIO
 import mmap
 from pathlib import Path
@@ -20,6 +20,7 @@ from mcap.opcode import Opcode
 from mcap.records import (
     Channel,
     Chunk,
+    ChunkIndex,
     DataEnd,
     McapRecord,
     Message,
@@ -28,61 +29,36 @@ from mcap.records import (
 )
 from mcap.stream_reader import breakup_chunk
 
-from pbpf_drake.log_error import LogError
 from pbpf_drake.log_notes import plural
+from pbpf_drake.log_stream import RawMessage, open_bytes
 
-_MAGIC = b"\x89MCAP0\r\n"
+MCAP_MAGIC = b"\x89MCAP0\r\n"
 _RECORD_HEADER = struct.Struct("<BQ")
 # The end of a file: the fields of the footer, and the magic.
 _END = struct.Struct("<QQI8s")
-_OTHER_FORMATS = {
-    b"#ROSBAG V": "a ROS 1 bag",
-    b"SQLite format 3": "a ROS 2 bag of the storage sqlite3",
-}
 _PARSERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.CHANNEL: Channel.read,
     Opcode.CHUNK: Chunk.read,
+    Opcode.CHUNK_INDEX: ChunkIndex.read,
     Opcode.DATA_END: DataEnd.read,
     Opcode.SCHEMA: Schema.read,
     Opcode.STATISTICS: Statistics.read,
 }
 
 
-@dataclass(frozen=True)
-class RawMessage:
-    """A message as the file holds it.
-
-    Attributes:
-        topic: its topic.
-        encoding: how ``data`` is encoded: "cdr" for ROS 2.
-        schema: the definition of its type; None where the file has none.
-        log_time: when it was received (in nanoseconds).
-        data: the encoded message.
-    """
-
-    topic: str
-    encoding: str
-    schema: Schema | None
-    log_time: int
-    data: bytes
-
-
 class McapStream:
-    """The messages of one file on given topics, in the file's order.
+    """The messages of one file; see LogStream."""
 
-    After ``Messages()`` is exhausted the other two attributes are complete.
+    kind = "an MCAP file"
 
-    Attributes:
-        types: by topic, the name of the type of its messages; all topics.
-        damage: one sentence for everything that could not be read.
-    """
-
-    def __init__(self, *, filename: Path, topics: Collection[str]):
+    def __init__(
+        self, *, filename: Path, topics: Collection[str] | None = None
+    ):
         """Prepares to read a file.
 
         Args:
             filename: the file.
-            topics: the topics whose messages to return.
+            topics: the topics whose messages to return; None means all.
         """
         self.types: dict[str, str] = {}
         self.damage: list[str] = []
@@ -91,15 +67,16 @@ class McapStream:
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
         self._promised: dict[int, int] = {}
+        self._chunks: set[int] = set()
         self._found: Counter[int] = Counter()
 
     def Messages(self) -> Iterator[RawMessage]:
         """Yields the messages.
 
         Raises:
-            LogError: there is no such file, or it is not an MCAP file.
+            LogError: there is no such file, or it can't be opened.
         """
-        with _open(self._filename) as data:
+        with open_bytes(self._filename) as data:
             self._ReadSummary(data)
             yield from self._ReadData(data)
         self._CompareCounts()
@@ -116,13 +93,15 @@ class McapStream:
                 continue
             if isinstance(record, Statistics):
                 self._promised = record.channel_message_counts
+            elif isinstance(record, ChunkIndex):
+                self._chunks.add(record.chunk_start_offset)
             else:
                 self._Define(record)
 
     def _ReadData(self, data: mmap.mmap) -> Iterator[RawMessage]:
         damaged: Counter[str] = Counter()
-        end = len(_MAGIC)
-        for opcode, body, end in _records(data, len(_MAGIC)):
+        begin = end = len(MCAP_MAGIC)
+        for opcode, body, end in _records(data, begin, sorted(self._chunks)):
             try:
                 record = _parse(opcode, body)
                 content = _content(record)
@@ -149,14 +128,22 @@ class McapStream:
                 continue
             self._found[record.channel_id] += 1
             channel = self._channels.get(record.channel_id)
-            if channel is not None and channel.topic in self._topics:
-                yield RawMessage(
-                    topic=channel.topic,
-                    encoding=channel.message_encoding,
-                    schema=self._schemas.get(channel.schema_id),
-                    log_time=record.log_time,
-                    data=record.data,
-                )
+            if channel is not None and self._IsWanted(channel.topic):
+                yield self._MakeMessage(record, channel)
+
+    def _IsWanted(self, topic: str) -> bool:
+        return self._topics is None or topic in self._topics
+
+    def _MakeMessage(self, record: Message, channel: Channel) -> RawMessage:
+        schema = self._schemas.get(channel.schema_id)
+        return RawMessage(
+            topic=channel.topic,
+            type=schema.name if schema else "",
+            encoding=channel.message_encoding,
+            definition=_definition(schema) if schema else "",
+            log_time=record.log_time,
+            data=record.data,
+        )
 
     def _Define(self, record: McapRecord | None) -> None:
         if isinstance(record, Schema):
@@ -173,7 +160,7 @@ class McapStream:
             self.damage.append(
                 "the checksum of the file is wrong: data in it is damaged"
             )
-        if data[-len(_MAGIC) :] != _MAGIC:
+        if data[-len(MCAP_MAGIC) :] != MCAP_MAGIC:
             self.damage.append("the file is cut off after its last message")
 
     def _CompareCounts(self) -> None:
@@ -186,41 +173,61 @@ class McapStream:
         for identifier, promised in self._promised.items():
             channel = self._channels.get(identifier)
             found = self._found[identifier]
-            if channel and channel.topic in self._topics and found != promised:
+            if channel and self._IsWanted(channel.topic) and found != promised:
                 self.damage.append(
                     f"the file says that {channel.topic} has "
                     f"{plural(promised, 'message')}, but {found} could be read"
                 )
 
 
-def _open(filename: Path) -> mmap.mmap:
-    """Returns the file's bytes, without loading them."""
-    try:
-        with filename.open("rb") as file:
-            start = file.read(16)
-            if start.startswith(_MAGIC):
-                return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-    except OSError as error:
-        raise LogError(f"it can't be opened: {error.strerror}") from error
-    found = f"it starts with {start!r}" if start else "it is empty"
-    for magic, name in _OTHER_FORMATS.items():
-        if start.startswith(magic):
-            found = f"it is {name}; convert it first"
-    raise LogError(f"expected an MCAP file, but {found}")
+def _definition(schema: Schema) -> str:
+    # Others are of no use: those in IDL, or of other encodings.
+    if schema.encoding not in ("ros2msg", "ros1msg"):
+        return ""
+    return schema.data.decode(errors="replace")
 
 
-def _records(data: mmap.mmap, begin: int) -> Iterator[tuple[int, bytes, int]]:
-    """Yields (opcode, content, end) of every whole record from ``begin``."""
+def _records(
+    data: mmap.mmap, begin: int, chunks: Sequence[int] = ()
+) -> Iterator[tuple[int, bytes, int]]:
+    """Yields (opcode, content, end) of every whole record from ``begin``.
+
+    After damage it goes on at the next of the places where chunks are known
+    to start; otherwise it ends there.
+    """
     while True:
-        header = data[begin : begin + _RECORD_HEADER.size]
-        if len(header) < _RECORD_HEADER.size:
+        end = _record_end(data, begin)
+        resume = _next_chunk(data, begin, end or len(data), chunks)
+        if resume is not None:
+            # It is missed when messages are counted.
+            begin = resume
+        elif end is None:
             return
-        opcode, length = _RECORD_HEADER.unpack(header)
-        begin += _RECORD_HEADER.size
-        if begin + length > len(data):
-            return
-        yield opcode, data[begin : begin + length], begin + length
-        begin += length
+        else:
+            yield data[begin], data[begin + _RECORD_HEADER.size : end], end
+            begin = end
+
+
+def _record_end(data: mmap.mmap, begin: int) -> int | None:
+    """Returns where the record at one place ends, if it is whole."""
+    header = data[begin : begin + _RECORD_HEADER.size]
+    if len(header) < _RECORD_HEADER.size:
+        return None
+    _, length = _RECORD_HEADER.unpack(header)
+    end = begin + _RECORD_HEADER.size + length
+    return end if end <= len(data) else None
+
+
+def _next_chunk(
+    data: mmap.mmap, begin: int, end: int, chunks: Sequence[int]
+) -> int | None:
+    """Returns the first known start of a chunk strictly in between."""
+    for chunk in chunks[bisect_right(chunks, begin) :]:
+        if chunk >= end:
+            break
+        if data[chunk] == Opcode.CHUNK and _record_end(data, chunk):
+            return chunk
+    return None
 
 
 def _parse(opcode: int, body: bytes) -> McapRecord | None:
@@ -243,7 +250,7 @@ def _summary_start(data: mmap.mmap) -> int | None:
     if len(data) < _END.size:
         return None
     start, _, crc, magic = _END.unpack(data[-_END.size :])
-    if magic != _MAGIC or not 0 < start < len(data):
+    if magic != MCAP_MAGIC or not 0 < start < len(data):
         return None
     # The checksum covers all up to itself.
     if crc not in (0, zlib.crc32(data[start : len(data) - 12])):

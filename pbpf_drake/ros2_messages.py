@@ -14,6 +14,8 @@ DETECTION_ARRAY = "vision_msgs/msg/Detection3DArray"
 POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
 POSE_WITH_COVARIANCE_STAMPED = "geometry_msgs/msg/PoseWithCovarianceStamped"
 POSE_ARRAY = "geometry_msgs/msg/PoseArray"
+TRANSFORM_STAMPED = "geometry_msgs/msg/TransformStamped"
+TF_MESSAGE = "tf2_msgs/msg/TFMessage"
 
 _FIELDS = {
     "builtin_interfaces/Time": ("int32 sec", "uint32 nanosec"),
@@ -46,6 +48,16 @@ _FIELDS = {
         "std_msgs/Header header",
         "geometry_msgs/Pose[] poses",
     ),
+    "geometry_msgs/Transform": (
+        "geometry_msgs/Vector3 translation",
+        "geometry_msgs/Quaternion rotation",
+    ),
+    "geometry_msgs/TransformStamped": (
+        "std_msgs/Header header",
+        "string child_frame_id",
+        "geometry_msgs/Transform transform",
+    ),
+    "tf2_msgs/TFMessage": ("geometry_msgs/TransformStamped[] transforms",),
     "sensor_msgs/JointState": (
         "std_msgs/Header header",
         "string[] name",
@@ -73,6 +85,26 @@ _FIELDS = {
         "vision_msgs/Detection3D[] detections",
     ),
 }
+
+
+# Their layout is the same in all releases of ROS 2.
+_STABLE = {
+    "geometry_msgs/PoseStamped",
+    "geometry_msgs/PoseWithCovarianceStamped",
+    "geometry_msgs/TransformStamped",
+    "sensor_msgs/JointState",
+    "tf2_msgs/TFMessage",
+}
+
+
+def is_known(name: str) -> bool:
+    """Tells if this module has the definition of a type."""
+    return short_type_name(name) in _FIELDS
+
+
+def is_stable(name: str) -> bool:
+    """Tells if a type is known and the same in all releases of ROS 2."""
+    return short_type_name(name) in _STABLE
 
 
 def short_type_name(name: str) -> str:
@@ -129,6 +161,12 @@ def pose_message(*, q: np.ndarray, p: np.ndarray) -> dict[str, Any]:
         "position": dict(zip("xyz", p, strict=True)),
         "orientation": dict(zip("wxyz", q, strict=True)),
     }
+
+
+def transform_arrays(transform: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Returns q (4,) as w, x, y, z and p (3,) of a decoded Transform."""
+    q, p = transform.rotation, transform.translation
+    return np.array([q.w, q.x, q.y, q.z]), np.array([p.x, p.y, p.z])
 
 
 def pose_arrays(pose: Any) -> tuple[np.ndarray, np.ndarray]:

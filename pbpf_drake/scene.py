@@ -15,6 +15,7 @@ from pydrake.common.yaml import yaml_dump, yaml_load, yaml_load_typed
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import ModelDirective
 
+from pbpf_drake.log_topics import PRESETS, LogTopics
 from pbpf_drake.particle_filter_config import (
     ParticleFilterConfig,
     VisibilityConfig,
@@ -51,26 +52,13 @@ class TrackedObject:
     # The class name under which the detector reports it; empty means the
     # name of the model.
     class_id: str = ""
+    # The name under which the ground truth knows it; empty means the name of
+    # the model.
+    ground_truth_id: str = ""
     # The visibility thresholds (Section 4.3).
     visibility: VisibilityConfig = field(default_factory=VisibilityConfig)
     # Which turns of it look alike. The filter doesn't know; errors may.
     symmetry: SymmetryConfig = field(default_factory=SymmetryConfig)
-
-
-@dataclass(kw_only=True)
-class LogTopics:
-    """Where a log holds what the filter needs."""
-
-    # sensor_msgs/JointState.
-    joint_states: str = "/joint_states"
-    # vision_msgs/Detection3DArray, in the camera's optical frame.
-    detections: str = "/dope/detected_objects"
-    # geometry_msgs/PoseStamped in the world, one topic per object: this
-    # followed by the model's name.
-    ground_truth: str = "/ground_truth/"
-    # Names of joints in the log, by names of joints in the robot's model,
-    # where they differ.
-    joint_names: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(kw_only=True)
@@ -102,6 +90,12 @@ class Scene:
         """The model's name by the class name that the detector reports."""
         return {o.class_id or name: name for name, o in self.tracked.items()}
 
+    def ground_truth_ids(self) -> dict[str, str]:
+        """The ground truth's name of each object, by the model's name."""
+        return {
+            name: o.ground_truth_id or name for name, o in self.tracked.items()
+        }
+
 
 def LoadScene(filename: str | Path) -> Scene:
     """Loads a scene file and checks what can be checked without its models.
@@ -117,7 +111,9 @@ def LoadScene(filename: str | Path) -> Scene:
     if not path.is_file():
         raise FileNotFoundError(f"There is no scene file {path}")
     try:
-        scene = yaml_load_typed(schema=Scene, filename=str(path))
+        scene = yaml_load_typed(
+            schema=Scene, filename=str(path), defaults=_defaults(path)
+        )
     except Exception as error:
         where = ": ".join(filter(None, (str(path), _bad_field(path))))
         raise ValueError(f"Scene file {where}: {error}") from error
@@ -127,6 +123,16 @@ def LoadScene(filename: str | Path) -> Scene:
     except ValueError as error:
         raise ValueError(f"Scene file {path}: {error}") from error
     return scene
+
+
+def _defaults(path: Path) -> Scene:
+    """Returns what fields are that the file leaves out."""
+    data = yaml_load(filename=str(path))
+    topics = data.get("topics") if isinstance(data, dict) else None
+    preset = topics.get("preset") if isinstance(topics, dict) else None
+    # One that is unknown is refused when the scene is checked.
+    make = PRESETS.get(preset) if isinstance(preset, str) else None
+    return Scene(topics=make()) if make else Scene()
 
 
 def _bad_field(path: Path) -> str:
@@ -192,7 +198,8 @@ def _validate(scene: Scene) -> None:
     for name, tracked in scene.tracked.items():
         tracked.visibility.ValidateOrThrow(f"tracked.{name}.visibility")
         tracked.symmetry.ValidateOrThrow(f"tracked.{name}.symmetry")
-    try:
-        scene.filter.ValidateOrThrow()
-    except ValueError as error:
-        raise ValueError(f"filter.{error}") from error
+    for part in ("topics", "filter"):
+        try:
+            getattr(scene, part).ValidateOrThrow()
+        except ValueError as error:
+            raise ValueError(f"{part}.{error}") from error

@@ -1,10 +1,11 @@
 """Runs an estimator on a log, in a Drake simulation."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+from pydrake.common.schema import Transform
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
@@ -65,6 +66,7 @@ def MakeTrackingDiagram(
         ValueError: the scene's models don't fit their roles, or a field of
             the config is out of range.
     """
+    scene = SceneOfLog(scene, log)
     builder = DiagramBuilder()
     joints = builder.AddNamedSystem(
         "joint_log_source", JointLogSource(record=log.joints)
@@ -154,6 +156,14 @@ def Track(
         if tracking.recorder:
             tracking.recorder.Close()
     return _MakeRecord(scene, method, config, rows, tracking.update_seconds)
+
+
+def SceneOfLog(scene: Scene, log: Log) -> Scene:
+    """Returns the scene with the camera where the log says that it was."""
+    if log.X_WC is None:
+        return scene
+    camera = replace(scene.camera, X_WC=Transform(log.X_WC))
+    return replace(scene, camera=camera)
 
 
 def DefaultConfig(scene: Scene, method: str) -> ParticleFilterConfig:

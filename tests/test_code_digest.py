@@ -76,7 +76,7 @@ def test_the_evaluation_depends_on_the_filter_but_not_on_the_pictures():
         "particle_filter_update",
         "physics_motion_model",
         "pose_metrics",
-        "mcap_log_reader",
+        "log_reader",
         "truth_simulation",
         "scene",
         "quaternions",

@@ -10,7 +10,7 @@ import pytest
 from pbpf_drake.diagrams import draw_camera_views
 from pbpf_drake.diagrams.draw_camera_views import CameraView, project
 from pbpf_drake.log import Log
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import CameraConfig, LoadScene, Scene

@@ -6,7 +6,7 @@ import pytest
 
 from pbpf_drake.diagrams import draw_scenes
 from pbpf_drake.log import Log
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import LoadScene
 from pbpf_drake.scene_models import data_folder

@@ -20,7 +20,7 @@ from pbpf_drake.diagrams.evaluation import (
     scene_path,
 )
 from pbpf_drake.diagrams.evaluation_keys import evaluation_key, recording_key
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.pose_errors import compute_errors
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import LoadScene

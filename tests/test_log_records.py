@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pbpf_drake.log_error import LogError
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.quaternions import angle_between
 
 

@@ -132,7 +132,7 @@ def test_topics_and_joints_are_named_by_the_scene(tmp_path):
     topics = LogTopics(
         joint_states="/arm/joints",
         detections="/seen",
-        ground_truth="/truth/of/",
+        ground_truth="/truth/of/{name}",
         joint_names={"wrist": "j7"},
     )
     path = tmp_path / "log.mcap"

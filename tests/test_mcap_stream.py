@@ -7,7 +7,7 @@ import pytest
 
 from pbpf_drake import mcap_log_writer
 from pbpf_drake.log_error import LogError
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.mcap_stream import McapStream
 

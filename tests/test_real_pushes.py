@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from pbpf_drake.diagrams.planar_push_log import ReadPlanarPush
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.pose_errors import compute_errors
 from pbpf_drake.prediction_model import MakePredictionModel

@@ -5,7 +5,7 @@ from recording_fixtures import SCENES
 
 from pbpf_drake import quaternions
 from pbpf_drake.diagrams.record_scene import main
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.push_path import ActuatedJoints
 from pbpf_drake.scene import LoadScene
 from pbpf_drake.scene_models import AddSceneModels, data_folder

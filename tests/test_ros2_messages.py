@@ -39,9 +39,15 @@ def _write_and_read(name, message):
 
 @pytest.mark.parametrize("name", TYPES)
 def test_every_definition_is_complete(name):
-    found = _write_and_read(name, {"header": {"frame_id": "f"}})
+    stamped = {"header": {"frame_id": "f"}}
+    is_tf = name == "tf2_msgs/msg/TFMessage"
+    found = _write_and_read(
+        name, {"transforms": [stamped]} if is_tf else stamped
+    )
     assert found.schema.name == name
-    assert found.decoded_message.header.frame_id == "f"
+    decoded = found.decoded_message
+    header = (decoded.transforms[0] if is_tf else decoded).header
+    assert header.frame_id == "f"
     assert "/msg/" not in message_definition(name)
 
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 from model_world import load_scene
 import numpy as np
 
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import LoadScene
 from pbpf_drake.scene_models import data_folder

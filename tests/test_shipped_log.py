@@ -9,7 +9,7 @@ import pytest
 from pbpf_drake import quaternions
 from pbpf_drake.filter_state import FilterState
 from pbpf_drake.log import Log, PoseRecord
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.pose_interpolation import interpolate_poses
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.scene import LoadScene

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from pbpf_drake.log_error import LogError
-from pbpf_drake.mcap_log_reader import ReadLog
+from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.ros2_messages import DETECTION_ARRAY, message_definition
 
@@ -107,8 +107,8 @@ def test_a_missing_file_is_refused(path):
         _read(path)
 
 
-def test_a_folder_is_refused(tmp_path):
-    with pytest.raises(LogError, match="directory"):
+def test_a_folder_without_a_recording_is_refused(tmp_path):
+    with pytest.raises(LogError, match="folder without metadata.yaml"):
         _read(tmp_path)
 
 
@@ -117,8 +117,7 @@ def test_a_folder_is_refused(tmp_path):
     [
         (b"", "it is empty"),
         (b"hello", "b'hello'"),
-        (b"#ROSBAG V2.0\n..........", "it is a ROS 1 bag; convert it"),
-        (b"SQLite format 3\0....", "storage sqlite3; convert it"),
+        (b"#ROSBAG V1.2\n....", "it is a bag of a version before 2.0"),
         (b"\x89MCAP", "b'.x89MCAP'"),
     ],
 )
@@ -158,12 +157,12 @@ def test_another_encoding_is_refused(path):
         writer = McapWriter(file)
         writer.start()
         schema = writer.register_schema(
-            "sensor_msgs/JointState", "ros1msg", b""
+            "sensor_msgs/JointState", "jsonschema", b""
         )
-        channel = writer.register_channel(JOINT_STATES, "ros1", schema)
+        channel = writer.register_channel(JOINT_STATES, "json", schema)
         writer.add_message(channel, 5, b"1234", 5)
         writer.finish()
-    with pytest.raises(LogError, match="ros1 .* ros1msg; expected cdr"):
+    with pytest.raises(LogError, match="encoded as 'json'; expected cdr"):
         _read(path)
 
 

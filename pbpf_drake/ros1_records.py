@@ -1,0 +1,193 @@
+"""The records of a ROS 1 bag (format 2.0), and how to walk a damaged one.
+
+A record is a header of named fields, and data. Records follow each other, in
+the file and again within a chunk.
+"""
+
+from bisect import bisect_right
+import bz2
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+import mmap
+import struct
+
+import lz4.frame
+
+BAG_MAGIC = b"#ROSBAG V2.0\n"
+MESSAGE, HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
+_KINDS = {MESSAGE, HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION}
+_LENGTH = struct.Struct("<I")
+_TIME = struct.Struct("<II")
+_ENTRY = struct.Struct("<III")
+
+
+@dataclass(frozen=True)
+class Record:
+    """One record.
+
+    Attributes:
+        kind: one of the constants above.
+        fields: the fields of its header.
+        data: what follows the header.
+        begin, end: where it is.
+    """
+
+    kind: int
+    fields: dict[str, bytes]
+    data: bytes
+    begin: int
+    end: int
+
+    def Number(self, name: str) -> int:
+        """Returns a field that is an unsigned integer; -1 if it is missing."""
+        if name not in self.fields:
+            return -1
+        return int.from_bytes(self.fields[name], "little")
+
+    def Text(self, name: str) -> str:
+        """Returns a field that is a string."""
+        return self.fields[name].decode()
+
+    def Time(self) -> int:
+        """Returns the field "time" (in nanoseconds); -1 if it is missing."""
+        time = self.fields.get("time", b"")
+        if len(time) != _TIME.size:
+            return -1
+        seconds, nanoseconds = _TIME.unpack(time)
+        return seconds * 10**9 + nanoseconds
+
+
+def walk_records(
+    content: bytes | mmap.mmap,
+    *,
+    begin: int,
+    end: int,
+    starts: Sequence[int],
+    lost: Callable[[int, int], None],
+) -> Iterator[Record]:
+    """Yields the records between two places, and passes over what is damaged.
+
+    Args:
+        content: a file, or a chunk.
+        begin, end: the two places.
+        starts: where records are known to start, sorted: after damage the
+            walk goes on at the next of them.
+        lost: called with the begin and end of what could not be read.
+    """
+    while begin < end:
+        record = _parse(content, begin, end)
+        resume = _next_start(
+            content, begin, record.end if record else end, starts
+        )
+        if record is not None and resume is None:
+            yield record
+            begin = record.end
+        else:
+            lost(begin, resume or end)
+            begin = resume or end
+
+
+def _next_start(
+    content: bytes | mmap.mmap, begin: int, end: int, starts: Sequence[int]
+) -> int | None:
+    """Returns the first known start in between at which there is a record."""
+    for start in starts[bisect_right(starts, begin) :]:
+        if start >= end:
+            break
+        if _parse(content, start, len(content)):
+            return start
+    return None
+
+
+def _parse(content: bytes | mmap.mmap, begin: int, limit: int) -> Record | None:
+    """Returns the record at one place, or None if it is not whole."""
+    header_end = _end_of_block(content, begin, limit)
+    data_end = header_end and _end_of_block(content, header_end, limit)
+    if not header_end or not data_end:
+        return None
+    try:
+        fields = parse_fields(content[begin + _LENGTH.size : header_end])
+        kind = fields["op"][0]
+    except (KeyError, IndexError, ValueError):
+        return None
+    if kind not in _KINDS:
+        return None
+    data = content[header_end + _LENGTH.size : data_end]
+    return Record(kind, fields, data, begin, data_end)
+
+
+def _end_of_block(
+    content: bytes | mmap.mmap, begin: int, limit: int
+) -> int | None:
+    """Returns where the block with its length before it ends."""
+    after = begin + _LENGTH.size
+    if after > limit:
+        return None
+    (length,) = _LENGTH.unpack(content[begin:after])
+    return after + length if after + length <= limit else None
+
+
+def parse_fields(header: bytes) -> dict[str, bytes]:
+    """Returns the fields of a header.
+
+    Raises:
+        ValueError: it is damaged.
+    """
+    fields = {}
+    begin = 0
+    while begin < len(header):
+        end = _end_of_block(header, begin, len(header))
+        if end is None:
+            raise ValueError("a field is not whole")
+        field = header[begin + _LENGTH.size : end]
+        name, equals, value = field.partition(b"=")
+        if not equals:
+            raise ValueError("a field has no name")
+        fields[name.decode()] = value
+        begin = end
+    return fields
+
+
+def index_entries(record: Record) -> Iterator[tuple[int, int, int]]:
+    """Yields (connection, time in nanoseconds, offset) of an index record."""
+    connection = record.Number("conn")
+    usable = len(record.data) // _ENTRY.size * _ENTRY.size
+    for seconds, nanoseconds, offset in _ENTRY.iter_unpack(
+        record.data[:usable]
+    ):
+        yield connection, seconds * 10**9 + nanoseconds, offset
+
+
+def unpack_chunk(record: Record) -> bytes:
+    """Returns what is in a chunk.
+
+    Raises:
+        Exception: of any kind, if it is damaged.
+    """
+    size = record.Number("size")
+    compression = record.Text("compression")
+    if compression == "none":
+        content, whole = record.data, True
+    elif compression in ("bz2", "lz4"):
+        decompressor = (
+            bz2.BZ2Decompressor()
+            if compression == "bz2"
+            else lz4.frame.LZ4FrameDecompressor()
+        )
+        # One byte more, to get to the checksum at the end.
+        content = decompressor.decompress(record.data, size + 1)
+        whole = decompressor.eof
+    else:
+        raise ValueError(f"compressed by {compression!r}")
+    if not whole or len(content) != size:
+        raise ValueError("its size is wrong")
+    return content
+
+
+def has_checksum(chunk: Record) -> bool:
+    """Tells if damage in a chunk shows when it is unpacked."""
+    compression = chunk.Text("compression")
+    # Of a frame of lz4 that is optional: bit 2 of the byte after the magic.
+    return compression == "bz2" or (
+        compression == "lz4" and bool(chunk.data[4] & 0b100)
+    )
