@@ -101,6 +101,53 @@ class Truth:
     trajectory: PiecewisePolynomial
 
 
+def AddTruthModels(
+    *,
+    builder: RobotDiagramBuilder,
+    scene: Scene,
+    parameters: TruthParameters,
+) -> SceneModels:
+    """Adds the scene's models to a plant, with contact as it truly is.
+
+    The plant is finalized. Its input for the robot's desired state, joints in
+    the order of the actuators, is left to connect.
+
+    Args:
+        builder: its plant is discrete, and empty.
+        scene: the scene; its ``recording`` says how contact and control are.
+        parameters: of this run.
+
+    Raises:
+        ValueError: the scene's ``recording`` doesn't fit its models.
+    """
+    plant, scene_graph = builder.plant(), builder.scene_graph()
+    plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
+    plant.set_discrete_contact_approximation(
+        DiscreteContactApproximation.kLagged
+    )
+    models = AddSceneModels(plant, scene)
+    _set_contact(plant, scene_graph, models, scene.recording, parameters)
+    _set_controller(plant, models.robot, scene.recording)
+    AddLabelRenderer(scene_graph)
+    plant.Finalize()
+    return models
+
+
+def SetTrueMasses(
+    *,
+    plant: MultibodyPlant,
+    context: Context,
+    models: SceneModels,
+    parameters: TruthParameters,
+) -> None:
+    """Writes the true masses of the objects into the plant's context."""
+    for body, scale in zip(
+        models.objects, parameters.mass_scale, strict=True
+    ):
+        mass = plant.get_body(body).default_mass()
+        plant.get_body(body).SetMass(context, mass * scale)
+
+
 def MakeTruth(*, scene: Scene, parameters: TruthParameters) -> Truth:
     """Builds the truth of a scene.
 
@@ -110,17 +157,11 @@ def MakeTruth(*, scene: Scene, parameters: TruthParameters) -> Truth:
     """
     config = scene.recording
     builder = RobotDiagramBuilder(time_step=config.time_step)
-    plant, scene_graph = builder.plant(), builder.scene_graph()
-    plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
-    plant.set_discrete_contact_approximation(
-        DiscreteContactApproximation.kLagged
+    models = AddTruthModels(
+        builder=builder, scene=scene, parameters=parameters
     )
-    models = AddSceneModels(plant, scene)
-    _set_contact(plant, scene_graph, models, config, parameters)
+    plant = builder.plant()
     joints = ActuatedJoints(plant, models.robot)
-    _set_controller(plant, models.robot, config)
-    AddLabelRenderer(scene_graph)
-    plant.Finalize()
     trajectory = MakeJointTrajectory(
         plant=plant,
         robot=models.robot,
@@ -148,14 +189,14 @@ def MakeTruthContext(*, truth: Truth, parameters: TruthParameters) -> Context:
     Raises:
         ValueError: the path leads into something fixed.
     """
-    diagram, plant = truth.diagram, truth.diagram.plant()
+    diagram = truth.diagram
     context = diagram.CreateDefaultContext()
-    plant_context = diagram.mutable_plant_context(context)
-    for body, scale in zip(
-        truth.models.objects, parameters.mass_scale, strict=True
-    ):
-        mass = plant.get_body(body).default_mass()
-        plant.get_body(body).SetMass(plant_context, mass * scale)
+    SetTrueMasses(
+        plant=diagram.plant(),
+        context=diagram.mutable_plant_context(context),
+        models=truth.models,
+        parameters=parameters,
+    )
     CheckPath(
         diagram=diagram,
         models=truth.models,
