@@ -13,7 +13,7 @@ All arrows but the last one start at discrete state, so there is no algebraic
 loop. The truth is that of pbpf_drake.truth_model, not the filter's physics.
 
 A run counts as a success if the true centre of the object is within 40 mm of
-the goal, about half the length of the box, at the end: after 25 s, or when the
+the goal, about half the length of the box, at the end: after 20 s, or when the
 fingertip has rested for 3 s because the object seems to be at the goal.
 """
 
@@ -54,7 +54,7 @@ FEEDBACKS = ("pbpf", "pbpf-v", "dope", "truth")
 # How near to the goal the object has to be (in meters).
 SUCCESS_DISTANCE = 0.04
 # How long the robot has (in seconds).
-DURATION = 25.0
+DURATION = 20.0
 # A run ends when the fingertip has rested for this long (in seconds).
 _REST = 3.0
 # How often a run is looked at (in seconds).

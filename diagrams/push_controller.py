@@ -65,8 +65,8 @@ class PushConfig:
     height: float = 0.012
     speed: float = 0.05
     tolerance: float = 0.02
-    lower: tuple[float, float] = (0.3, -0.3)
-    upper: tuple[float, float] = (0.6, 0.5)
+    lower: tuple[float, float] = (0.32, -0.3)
+    upper: tuple[float, float] = (0.56, 0.5)
     period: float = 0.02
 
 
