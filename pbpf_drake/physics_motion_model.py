@@ -16,17 +16,16 @@ from pbpf_drake.bounding_boxes import MakeBoundingBoxes
 from pbpf_drake.contact_model import ContactModel, MakeContactModel
 from pbpf_drake.link_reach import links_in_reach
 from pbpf_drake.motion_model import MotionInput, MotionResult
+from pbpf_drake.parameter_bank import DrawParameterBank, deal_parameters
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.particle_simulation import choose_time_step, simulate
 from pbpf_drake.penetration import push_out
 from pbpf_drake.physical_parameters import (
     PhysicalParameters,
-    SamplePhysicalParameters,
     SetPhysicalParameters,
 )
 from pbpf_drake.prediction_model import PredictionModel
 from pbpf_drake.prediction_pool import Links, PredictionPool
-from pbpf_drake.random_streams import MakeGenerator, Stream
 from pbpf_drake.robot_links import LinkMotion, RobotLinks
 from pbpf_drake.support import Contact, find_contacts, find_supports
 
@@ -74,12 +73,8 @@ class PhysicsMotionModel:
         )
         self._radii = self._objects.radii(len(model.models.objects))
         self._contact_models: dict[Links, ContactModel] = {}
-        self._parameters = SamplePhysicalParameters(
-            config.physics,
-            (config.num_particles, len(model.models.objects)),
-            MakeGenerator(
-                seed=config.seed, step=0, stream=Stream.PHYSICAL_PARAMETERS
-            ),
+        self._parameters = DrawParameterBank(
+            config, len(model.models.objects)
         )
 
     def parameters(self) -> PhysicalParameters:
@@ -88,12 +83,7 @@ class PhysicsMotionModel:
 
     def assignment(self, step: int) -> np.ndarray:
         """Returns which draw each particle has at a step, (M,)."""
-        rng = MakeGenerator(
-            seed=self._config.seed,
-            step=step,
-            stream=Stream.PARAMETER_ASSIGNMENT,
-        )
-        return rng.permutation(self._config.num_particles)
+        return deal_parameters(self._config, step)
 
     def MakeScratch(self) -> PhysicsScratch:
         """Returns an empty pool; its contexts are made when first used."""
