@@ -1,10 +1,11 @@
 """Where to move a fingertip so that it pushes an object to a goal.
 
-It pushes from behind, as seen from the goal. An object that is touched off its
-middle turns and slides away, and the fingertip has to stay behind it: the
-further it is to one side, the more it moves across to the other. Where that is
-too far it goes around the object, at a distance, until it is behind it. All
-that has to be known of the object is where it is now.
+It pushes from behind, as seen from the goal, straight on: an object that lies
+flat against the fingertip comes along with it. A fingertip that slides along an
+object turns it, so the place is chosen before the two touch, and corrected a
+little only. Where that isn't enough, the fingertip goes around the object, at a
+distance, until it is behind it again. All that has to be known of the object is
+where it is now.
 """
 
 from dataclasses import dataclass
@@ -16,8 +17,14 @@ from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 
 # By how much more the fingertip's way is off the straight one than it is itself
-# off the point behind the object.
-_GAIN = 4.0
+# off the point behind the object: before they touch, and then.
+_APPROACH_GAIN = 4.0
+_PUSH_GAIN = 1.0
+# Nearer than this to the object's centre it may touch (in meters).
+_NEAR = 0.07
+# Further off the point behind the object than this, it goes around (in
+# radians).
+_ASIDE = np.pi / 4
 # How far from the object's centre the fingertip goes around it (in meters).
 _CLEARANCE = 0.085
 # How much of that may be missing until it moves outwards at 45 degrees.
@@ -40,10 +47,13 @@ def push_direction(
     distance = np.linalg.norm(offset)
     # 0 behind the object, pi in front of it, less than 0 on the other side.
     around = np.arctan2(offset @ aside, -(offset @ ahead))
+    gain = _APPROACH_GAIN if distance > _NEAR else _PUSH_GAIN
     outwards = np.clip((_CLEARANCE - distance) / _SLACK, -1, 1) * np.pi / 4
-    angle = min(
-        _GAIN * abs(around), abs(around) + np.pi / 2 + outwards
-    ) * -np.sign(around)
+    circling = abs(around) + np.pi / 2 + outwards
+    angle = min(gain * abs(around), circling)
+    if abs(around) > _ASIDE:
+        angle = circling
+    angle *= -np.sign(around)
     return np.cos(angle) * ahead + np.sin(angle) * aside
 
 

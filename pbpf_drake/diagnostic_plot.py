@@ -99,7 +99,7 @@ def _add_legend(figure: Figure, record: TrackRecord) -> None:
     method = record.method.upper()
     handles: list[Artist] = [
         Line2D([], [], color=_ERROR_COLOR, lw=2, label="error"),
-        Line2D([], [], color=color, lw=2, label=f"{method}, median of θ"),
+        Line2D([], [], color=color, lw=2, label=method),
         Patch(color=color, alpha=0.2, lw=0, label="10 to 90 % of θ"),
         Line2D([], [], color=_PRIOR_COLOR, ls="--", label="θ as drawn"),
         Patch(color=HIDDEN_COLOR, lw=0, label="no detection"),
