@@ -173,7 +173,9 @@ def TrackInSimulation(
     return tracker.GetOutputPort("estimated_poses").Eval(context)
 
 
-def TrackByHand(scene: Scene, log: Log, duration: float) -> list[RigidTransform]:
+def TrackByHand(
+    scene: Scene, log: Log, duration: float
+) -> list[RigidTransform]:
     """Returns the same, by a loop as that of a live robot."""
     driver = StationDriver(MakeStation(scene, log))
     live = LiveFilter(scene=scene, start=driver.Read(0.0))

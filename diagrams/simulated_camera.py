@@ -100,7 +100,10 @@ class SimulatedCamera(LeafSystem):
         self._shares = self.DeclareDiscreteState(np.ones(len(models.objects)))
         self.DeclareStateOutputPort("dope_measurement", self._answer)
         self.DeclareStateOutputPort("visibility", self._shares)
-        for offset, update in (0.0, self._Look), (config.latency, self._GiveAnswer):
+        for offset, update in (
+            (0.0, self._Look),
+            (config.latency, self._GiveAnswer),
+        ):
             self.DeclarePeriodicUnrestrictedUpdateEvent(
                 period_sec=config.period, offset_sec=offset, update=update
             )

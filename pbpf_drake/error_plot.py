@@ -93,9 +93,7 @@ def _draw_object(
         for record, line, band in zip(records, lines, bands, strict=True):
             _draw_line(ax, record, line, band)
         shade_hidden(ax, records[0], name)
-        decorate(
-            ax, "the log has no ground truth" if truth is None else ""
-        )
+        decorate(ax, "the log has no ground truth" if truth is None else "")
         peaks = np.array([np.nanmax(x, initial=0.0) for x in lines])
         limit = max(1.5 * scale * extent, 4 * peaks.min())
         _limit_axis(ax, peaks, bands, np.pi if ax is axes[1] else limit)

@@ -5,18 +5,26 @@ can compute. Here the convex hull counts, as it does everywhere else: for the
 collision geometry, and for mass and inertia. So an open scan will do as well.
 """
 
-from pydrake.geometry import Convex, Mesh, ProximityProperties
+from pydrake.geometry import (
+    Convex,
+    GeometryInstance,
+    IllustrationProperties,
+    Mesh,
+    PerceptionProperties,
+    ProximityProperties,
+    Rgba,
+)
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import ModelDirective, PackageMap
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import CalcSpatialInertia
+from pydrake.multibody.tree import CalcSpatialInertia, RigidBody
 
 # Files that are taken for models, by their endings.
 MESH_ENDINGS = (".obj", ".gltf", ".glb")
 # Of the hull (in kg/m³), as of a carton with something in it. The filter draws
 # masses of its own.
 _DENSITY = 500.0
-_GREY = (0.7, 0.7, 0.7, 1.0)
+_GREY = Rgba(0.7, 0.7, 0.7)
 
 
 def IsMeshModel(directive: ModelDirective) -> bool:
@@ -51,11 +59,7 @@ def AddMeshModel(
     instance = plant.AddModelInstance(model.name)
     body = plant.AddRigidBody(model.name, instance, inertia)
     if plant.geometry_source_is_registered():
-        at = RigidTransform()
-        plant.RegisterCollisionGeometry(
-            body, at, Mesh(path), model.name, ProximityProperties()
-        )
-        plant.RegisterVisualGeometry(body, at, Mesh(path), model.name, _GREY)
+        _add_geometry(plant, body, path)
     for name, pose in model.default_free_body_pose.items():
         frame = pose.base_frame or "world"
         if name != model.name or frame != "world":
@@ -65,3 +69,24 @@ def AddMeshModel(
                 "the world: a mesh is one body, of the model's name"
             )
         plant.SetDefaultFloatingBaseBodyPose(body, pose.GetDeterministicValue())
+
+
+def _add_geometry(plant: MultibodyPlant, body: RigidBody, path: str) -> None:
+    """Adds the mesh to look at, and its hull to collide with and to render.
+
+    Drake doesn't render an OBJ file that lacks normals. Of the hull it has
+    them.
+    """
+    at = RigidTransform()
+    plant.RegisterCollisionGeometry(
+        body, at, Mesh(path), f"{body.name()}_collision", ProximityProperties()
+    )
+    seen = GeometryInstance(at, Mesh(path), f"{body.name()}_mesh")
+    seen.set_illustration_properties(IllustrationProperties())
+    seen.mutable_illustration_properties().AddProperty(
+        "phong", "diffuse", _GREY
+    )
+    rendered = GeometryInstance(at, Convex(path), f"{body.name()}_hull")
+    rendered.set_perception_properties(PerceptionProperties())
+    for geometry in seen, rendered:
+        plant.RegisterVisualGeometry(body, geometry)

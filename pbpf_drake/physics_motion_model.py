@@ -73,9 +73,7 @@ class PhysicsMotionModel:
         )
         self._radii = self._objects.radii(len(model.models.objects))
         self._contact_models: dict[Links, ContactModel] = {}
-        self._parameters = DrawParameterBank(
-            config, len(model.models.objects)
-        )
+        self._parameters = DrawParameterBank(config, len(model.models.objects))
 
     def parameters(self) -> PhysicalParameters:
         """Returns the M draws of θ, arrays (M, K)."""

@@ -12,15 +12,10 @@ from pydrake.geometry import GeometryId, Role
 from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 
-from pbpf_drake.bounding_boxes import MakeBoundingBoxes
+from pbpf_drake.object_size import CheckObjectSizes
 from pbpf_drake.robot_joints import RobotJointNames
 from pbpf_drake.scene import Scene
 from pbpf_drake.scene_models import AddSceneModels, SceneModels
-
-# How long a tracked object can be (in meters): what is outside of this is in
-# another unit.
-_SMALLEST = 2e-3
-_LARGEST = 2.0
 
 
 @dataclass(frozen=True)
@@ -64,8 +59,11 @@ def MakePredictionModel(scene: Scene) -> PredictionModel:
     except ValueError as error:
         raise ValueError(f"Scene {scene.path}: robot: {error}") from error
     diagram = builder.Build()
-    for name, body in zip(scene.tracked, models.objects, strict=True):
-        _check_size(scene, name, _geometries(diagram, body), diagram)
+    CheckObjectSizes(
+        scene=scene,
+        inspector=diagram.scene_graph().model_inspector(),
+        geometries=[_geometries(diagram, b) for b in models.objects],
+    )
     plant = diagram.plant()
     positions = plant.GetPositions(plant.CreateDefaultContext())
     rows = np.arange(plant.num_positions())
@@ -83,32 +81,6 @@ def MakePredictionModel(scene: Scene) -> PredictionModel:
             if _geometries(diagram, b)
         ),
         nominal_poses=np.array([positions[s : s + 7] for s in starts]),
-    )
-
-
-def _check_size(
-    scene: Scene,
-    name: str,
-    geometries: list[GeometryId],
-    diagram: RobotDiagram,
-) -> None:
-    """Refuses a tracked object whose numbers can't be meters."""
-    inspector = diagram.scene_graph().model_inspector()
-    boxes = MakeBoundingBoxes(inspector, [geometries])
-    sizes = 2 * boxes.half_sizes.max(axis=-1, initial=0.0)
-    size = float(sizes.max(initial=0.0))
-    if not geometries or _SMALLEST <= size <= _LARGEST:
-        return
-    hint = "is it scaled from millimetres, though it is in meters?"
-    if size > _LARGEST:
-        hint = (
-            "is its mesh in millimetres? Then write "
-            "<scale>0.001 0.001 0.001</scale> beside the mesh's <uri> in an "
-            "SDF file, or write the mesh in meters"
-        )
-    raise ValueError(
-        f"Scene {scene.path}: tracked model {name!r} is {size:.3g} m long; "
-        f"expected {_SMALLEST:g} to {_LARGEST:g} m: {hint}"
     )
 
 

@@ -38,6 +38,7 @@ from pydrake.systems.framework import Context
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
+from pbpf_drake.object_size import CheckObjectSizes
 from pbpf_drake.path_collision import CheckPath
 from pbpf_drake.push_path import (
     ActuatedJoints,
@@ -126,6 +127,14 @@ def AddTruthModels(
         DiscreteContactApproximation.kLagged
     )
     models = AddSceneModels(plant, scene)
+    CheckObjectSizes(
+        scene=scene,
+        inspector=scene_graph.model_inspector(),
+        geometries=[
+            plant.GetCollisionGeometriesForBody(plant.get_body(b))
+            for b in models.objects
+        ],
+    )
     _set_contact(plant, scene_graph, models, scene.recording, parameters)
     _set_controller(plant, models.robot, scene.recording)
     AddLabelRenderer(scene_graph)
@@ -141,9 +150,7 @@ def SetTrueMasses(
     parameters: TruthParameters,
 ) -> None:
     """Writes the true masses of the objects into the plant's context."""
-    for body, scale in zip(
-        models.objects, parameters.mass_scale, strict=True
-    ):
+    for body, scale in zip(models.objects, parameters.mass_scale, strict=True):
         mass = plant.get_body(body).default_mass()
         plant.get_body(body).SetMass(context, mass * scale)
 
@@ -157,9 +164,7 @@ def MakeTruth(*, scene: Scene, parameters: TruthParameters) -> Truth:
     """
     config = scene.recording
     builder = RobotDiagramBuilder(time_step=config.time_step)
-    models = AddTruthModels(
-        builder=builder, scene=scene, parameters=parameters
-    )
+    models = AddTruthModels(builder=builder, scene=scene, parameters=parameters)
     plant = builder.plant()
     joints = ActuatedJoints(plant, models.robot)
     trajectory = MakeJointTrajectory(

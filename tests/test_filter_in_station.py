@@ -105,9 +105,7 @@ def test_the_estimate_can_be_fed_back_without_an_algebraic_loop(scene):
     back = builder.AddSystem(Multiplexer(2))
     for i, name in enumerate(["effective_sample_size", "tracked"]):
         builder.Connect(dut.GetOutputPort(name), back.get_input_port(i))
-    builder.Connect(
-        back.get_output_port(), dut.GetInputPort("joint_positions")
-    )
+    builder.Connect(back.get_output_port(), dut.GetInputPort("joint_positions"))
     diagram = builder.Build()  # Refuses algebraic loops.
     simulator = Simulator(diagram)
     simulator.AdvanceTo(MIDDLE)

@@ -64,9 +64,7 @@ def test_survivors_have_the_parameters_that_they_were_simulated_with(scene):
     # All weight is on one particle; which θ was it simulated with?
     record.weights[:] = 0.0
     record.weights[:, 2] = 1.0
-    model = PhysicsMotionModel(
-        model=MakePredictionModel(scene), config=config
-    )
+    model = PhysicsMotionModel(model=MakePredictionModel(scene), config=config)
     diagnostics = _diagnose(scene, record, config)
     for i in range(len(record.times)):
         draw = model.assignment(i + 1)[2]
