@@ -1,4 +1,4 @@
-"""Adds the filter to a robot station that is already built, and runs it by hand.
+"""Adds the filter to a station that is already built, and runs it by hand.
 
 A station is somebody else's diagram: all that is known of it are its exported
 ports. The filter is put beside it, and listens to them. On a real robot there

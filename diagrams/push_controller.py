@@ -15,7 +15,6 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-
 # By how much more the fingertip's way is off the straight one than it is itself
 # off the point behind the object: before they touch, and then.
 _APPROACH_GAIN = 4.0

@@ -7,13 +7,13 @@ from pbpf_drake.track_record import TrackRecord
 
 # Okabe and Ito's palette, told apart by the color-blind as well; the estimate
 # is green and the detector yellow, as in the replay.
-_STYLES = {
+_STYLES: dict[str, tuple[str, str | tuple]] = {
     "dope": ("#E69F00", (0, (5, 1.5))),
     "cvpf": ("#D55E00", (0, (1, 1))),
     "pbpf": ("#009E73", "solid"),
     "pbpf-v": ("#0072B2", "solid"),
 }
-_OTHER_STYLE = ("#CC79A7", "solid")
+_OTHER_STYLE: tuple[str, str | tuple] = ("#CC79A7", "solid")
 HIDDEN_COLOR = "#E4E4E4"
 
 
