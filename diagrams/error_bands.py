@@ -17,7 +17,7 @@ import numpy as np
 from pbpf_drake.diagrams.evaluation import Result
 from pbpf_drake.diagrams.paper_statistics import confidence_band
 from pbpf_drake.diagrams.paper_values import METHOD_TITLES, OBJECT_TITLES
-from pbpf_drake.error_plot import METHOD_STYLES
+from pbpf_drake.plot_style import style_of
 
 _METRICS = (
     ("position", 100.0, "position error [cm]"),
@@ -106,7 +106,7 @@ def _draw(
         mine = [r for r in results if r.method == method]
         times, samples = stack_samples(mine, name, metric)
         mean, low, high = confidence_band(samples, np.random.default_rng(0))
-        color, dashes = METHOD_STYLES[method]
+        color, dashes = style_of(method)
         ax.plot(
             times,
             scale * mean,

@@ -14,6 +14,7 @@ from typing import Any
 from pydrake.geometry import Meshcat, MeshcatParams
 from tqdm import tqdm
 
+from pbpf_drake.diagnostic_plot import PlotDiagnostics
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.error_plot import PlotErrors
 from pbpf_drake.log import Log
@@ -30,6 +31,7 @@ from pbpf_drake.report import (
 from pbpf_drake.scene import LoadScene, Scene
 from pbpf_drake.scene_meshcat import SaveReplay
 from pbpf_drake.scene_models import data_folder
+from pbpf_drake.track_diagnostics import MakeDiagnostics
 from pbpf_drake.track_record import TrackRecord
 from pbpf_drake.tracking import DefaultConfig, NumSteps, Track
 
@@ -39,8 +41,8 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="pbpf-track",
         description="Tracks the objects of a recorded manipulation and "
-        "writes report.json, errors.csv, errors.png, estimates.mcap and "
-        "replay.html.",
+        "writes report.json, errors.csv, errors.png, diagnostics.png, "
+        "estimates.mcap and replay.html.",
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
     add = parser.add_argument
@@ -132,6 +134,12 @@ def run(args: argparse.Namespace) -> None:
     WriteReport(report, args.out / "report.json")
     WriteErrors(records, log.ground_truth, args.out / "errors.csv")
     PlotErrors(records, log.ground_truth, args.out / "errors.png")
+    diagnostics = MakeDiagnostics(
+        scene=scene, joints=log.joints, record=records[0], config=config
+    )
+    PlotDiagnostics(
+        records[0], diagnostics, log.ground_truth, args.out / "diagnostics.png"
+    )
     SaveReplay(meshcat, args.out / "replay.html")
     for warning in log.warnings:
         print(f"Warning: {warning}")

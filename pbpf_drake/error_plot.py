@@ -21,23 +21,18 @@ from matplotlib.patches import Patch
 import numpy as np
 
 from pbpf_drake.log import PoseRecord
+from pbpf_drake.plot_style import (
+    HIDDEN_COLOR,
+    decorate,
+    shade_hidden,
+    style_of,
+)
 from pbpf_drake.pose_errors import (
     compute_errors,
     position_stddev,
     rotation_stddev,
 )
 from pbpf_drake.track_record import TrackRecord
-
-# Okabe and Ito's palette, told apart by the color-blind as well; the estimate
-# is green and the detector yellow, as in the replay.
-METHOD_STYLES = {
-    "dope": ("#E69F00", (0, (5, 1.5))),
-    "cvpf": ("#D55E00", (0, (1, 1))),
-    "pbpf": ("#009E73", "solid"),
-    "pbpf-v": ("#0072B2", "solid"),
-}
-_OTHER_STYLE = ("#CC79A7", "solid")
-_HIDDEN_COLOR = "#E4E4E4"
 
 
 def PlotErrors(
@@ -97,8 +92,8 @@ def _draw_object(
         bands = [2 * scale * stddev(r, name) for r in records]
         for record, line, band in zip(records, lines, bands, strict=True):
             _draw_line(ax, record, line, band)
-        _shade_hidden(ax, records[0], name)
-        _decorate(ax, has_truth=truth is not None)
+        shade_hidden(ax, records[0], name)
+        decorate(ax, "the log has no ground truth" if truth is None else "")
         peaks = np.array([np.nanmax(x, initial=0.0) for x in lines])
         limit = max(1.5 * scale * extent, 4 * peaks.min())
         _limit_axis(ax, peaks, bands, np.pi if ax is axes[1] else limit)
@@ -109,7 +104,7 @@ def _draw_object(
 def _draw_line(
     ax: Axes, record: TrackRecord, errors: np.ndarray, band: np.ndarray
 ) -> None:
-    color, dashes = METHOD_STYLES.get(record.method, _OTHER_STYLE)
+    color, dashes = style_of(record.method)
     times = record.times
     ax.plot(times, errors, color=color, linestyle=dashes, lw=1.8, zorder=3)
     ax.fill_between(
@@ -123,31 +118,6 @@ def _draw_line(
         zorder=2,
     )
     ax.plot(times, band, color=color, lw=0.7, alpha=0.7, zorder=2)
-
-
-def _shade_hidden(ax: Axes, record: TrackRecord, name: str) -> None:
-    """Greys the spans that end with an update without a detection."""
-    hidden = ~record.detected[:, record.object_names.index(name)].astype(bool)
-    edges = np.flatnonzero(np.diff(np.r_[0, hidden.astype(int), 0]))
-    starts = np.r_[0.0, record.times]
-    for first, end in edges.reshape(-1, 2):
-        ax.axvspan(
-            starts[first], record.times[end - 1], color=_HIDDEN_COLOR, lw=0
-        )
-
-
-def _decorate(ax: Axes, *, has_truth: bool) -> None:
-    ax.grid(True, color="#CCCCCC", lw=0.5)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)
-    if not has_truth:
-        ax.text(
-            0.5,
-            0.9,
-            "the log has no ground truth",
-            transform=ax.transAxes,
-            ha="center",
-        )
 
 
 def _limit_axis(
@@ -187,7 +157,7 @@ def _add_legend(figure: Figure, records: Sequence[TrackRecord]) -> None:
     handles: list[Artist] = []
     band = None
     for record in records:
-        color, dashes = METHOD_STYLES.get(record.method, _OTHER_STYLE)
+        color, dashes = style_of(record.method)
         label = record.method.upper()
         if label not in [h.get_label() for h in handles]:
             handles.append(
@@ -197,7 +167,7 @@ def _add_legend(figure: Figure, records: Sequence[TrackRecord]) -> None:
             band = Patch(fc=to_rgba(color, 0.15), ec=color, lw=0.7)
             band.set_label("2σ of the particles")
     handles += [band] if band else []
-    handles.append(Patch(color=_HIDDEN_COLOR, lw=0, label="no detection"))
+    handles.append(Patch(color=HIDDEN_COLOR, lw=0, label="no detection"))
     figure.legend(
         handles=handles,
         loc="outside upper center",

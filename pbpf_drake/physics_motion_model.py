@@ -17,6 +17,7 @@ from pbpf_drake.contact_model import ContactModel, MakeContactModel
 from pbpf_drake.fixed_contacts import FixedContacts
 from pbpf_drake.link_reach import link_distances
 from pbpf_drake.motion_model import MotionInput, MotionResult
+from pbpf_drake.parameter_bank import DrawParameterBank, deal_parameters
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.particle_simulation import (
     MakeParticleSimulator,
@@ -29,12 +30,10 @@ from pbpf_drake.penetration import TOUCH, PenetrationResolver
 from pbpf_drake.penetration_check import PenetrationCheck
 from pbpf_drake.physical_parameters import (
     PhysicalParameters,
-    SamplePhysicalParameters,
     SetPhysicalParameters,
 )
 from pbpf_drake.prediction_model import PredictionModel
 from pbpf_drake.prediction_pool import Links, PredictionPool
-from pbpf_drake.random_streams import MakeGenerator, Stream
 from pbpf_drake.robot_links import LinkMotion, RobotLinks
 from pbpf_drake.support import find_supports
 
@@ -84,13 +83,7 @@ class PhysicsMotionModel:
         self._contacts = FixedContacts(model)
         self._check = PenetrationCheck(model=model, contacts=self._contacts)
         self._contact_models: dict[Links, ContactModel] = {}
-        self._parameters = SamplePhysicalParameters(
-            config.physics,
-            (config.num_particles, len(model.models.objects)),
-            MakeGenerator(
-                seed=config.seed, step=0, stream=Stream.PHYSICAL_PARAMETERS
-            ),
-        )
+        self._parameters = DrawParameterBank(config, len(model.models.objects))
 
     def parameters(self) -> PhysicalParameters:
         """Returns the M draws of θ, arrays (M, K)."""
@@ -98,12 +91,7 @@ class PhysicsMotionModel:
 
     def assignment(self, step: int) -> np.ndarray:
         """Returns which draw each particle has at a step, (M,)."""
-        rng = MakeGenerator(
-            seed=self._config.seed,
-            step=step,
-            stream=Stream.PARAMETER_ASSIGNMENT,
-        )
-        return rng.permutation(self._config.num_particles)
+        return deal_parameters(self._config, step)
 
     def MakeScratch(self) -> PhysicsScratch:
         """Returns an empty pool; its contexts are made when first used."""

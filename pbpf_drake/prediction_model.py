@@ -12,6 +12,7 @@ from pydrake.geometry import GeometryId, Role
 from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 
+from pbpf_drake.object_size import CheckObjectSizes
 from pbpf_drake.pose_conversion import pose_array
 from pbpf_drake.robot_joints import RobotJointNames
 from pbpf_drake.scene import Scene
@@ -57,7 +58,8 @@ def MakePredictionModel(scene: Scene) -> PredictionModel:
     """Builds the prediction model of a scene.
 
     Raises:
-        ValueError: the scene's models don't fit their roles.
+        ValueError: the scene's models don't fit their roles, or a tracked
+            object isn't given in meters.
     """
     builder = RobotDiagramBuilder(time_step=0.0)
     plant = builder.plant()
@@ -68,6 +70,11 @@ def MakePredictionModel(scene: Scene) -> PredictionModel:
     except ValueError as error:
         raise ValueError(f"Scene {scene.path}: robot: {error}") from error
     diagram = builder.Build()
+    CheckObjectSizes(
+        scene=scene,
+        inspector=diagram.scene_graph().model_inspector(),
+        geometries=[_geometries(diagram, b) for b in models.objects],
+    )
     plant = diagram.plant()
     positions = plant.GetPositions(plant.CreateDefaultContext())
     rows = np.arange(plant.num_positions())

@@ -17,6 +17,7 @@ from pydrake.multibody.tree import (
     RigidBody,
 )
 
+from pbpf_drake.mesh_models import AddMeshModel, IsMeshModel
 from pbpf_drake.scene import Scene
 
 
@@ -68,11 +69,14 @@ def AddSceneModels(plant: MultibodyPlant, scene: Scene) -> SceneModels:
     """
     where = f"Scene {scene.path or '(without a file)'}"
     parser = Parser(plant)
-    parser.package_map().AddMap(MakePackageMap(scene))
+    packages = MakePackageMap(scene)
+    parser.package_map().AddMap(packages)
+    meshes = [d for d in scene.directives if IsMeshModel(d)]
+    others = [d for d in scene.directives if not IsMeshModel(d)]
     try:
-        ProcessModelDirectives(
-            ModelDirectives(directives=scene.directives), parser
-        )
+        for directive in meshes:
+            AddMeshModel(plant, directive, packages)
+        ProcessModelDirectives(ModelDirectives(directives=others), parser)
     except Exception as error:
         raise ValueError(f"{where}: {error}") from error
     try:

@@ -21,6 +21,7 @@ class TrackRecord:
             the world; zeros for estimators without one.
         effective_sample_size: (N,); zeros for estimators without particles.
         particles: (N, M, K, 7) as ``poses``; M is 0 without particles.
+        weights: (N, M) of the particles.
         update_ms: (N,) wall time of each update (in milliseconds).
         seed: the seed of the run.
     """
@@ -34,6 +35,7 @@ class TrackRecord:
     covariances: np.ndarray
     effective_sample_size: np.ndarray
     particles: np.ndarray
+    weights: np.ndarray
     update_ms: np.ndarray
     seed: int = 0
     config: dict = field(default_factory=dict)

@@ -274,6 +274,7 @@ def _MakeRecord(
         covariances=column("covariances", num_objects, 6, 6),
         effective_sample_size=column("effective_sample_size", 1)[:, 0],
         particles=column("particles", num_particles, num_objects, 7),
+        weights=column("weights", num_particles),
         update_ms=1e3 * np.array(seconds[: len(rows)]),
         seed=config.seed,
         config=asdict(config) if num_particles else {"period": config.period},

@@ -39,6 +39,7 @@ from pydrake.systems.framework import Context
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
+from pbpf_drake.object_size import CheckObjectSizes
 from pbpf_drake.path_collision import CheckPath
 from pbpf_drake.push_path import (
     ActuatedJoints,
@@ -108,6 +109,66 @@ class Truth:
     trajectory: PiecewisePolynomial
 
 
+def AddTruthModels(
+    *,
+    builder: RobotDiagramBuilder,
+    scene: Scene,
+    parameters: TruthParameters,
+) -> SceneModels:
+    """Adds the scene's models to a plant, with contact as it truly is.
+
+    The plant is finalized. Its input for the robot's desired state, joints in
+    the order of the actuators, is left to connect.
+
+    Args:
+        builder: its plant is discrete, and empty.
+        scene: the scene; its ``recording`` says how contact and control are.
+        parameters: of this run.
+
+    Raises:
+        ValueError: the scene's ``recording`` doesn't fit its models.
+    """
+    plant, scene_graph = builder.plant(), builder.scene_graph()
+    plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
+    plant.set_discrete_contact_approximation(
+        DiscreteContactApproximation.kLagged
+    )
+    models = AddSceneModels(plant, scene)
+    CheckObjectSizes(
+        scene=scene,
+        inspector=scene_graph.model_inspector(),
+        geometries=[
+            plant.GetCollisionGeometriesForBody(plant.get_body(b))
+            for b in models.objects
+        ],
+    )
+    _set_contact(plant, scene_graph, models, scene.recording, parameters)
+    _set_controller(plant, models.robot, scene.recording)
+    AddLabelRenderer(scene_graph)
+    plant.Finalize()
+    return models
+
+
+def SetTrueObjects(
+    *,
+    plant: MultibodyPlant,
+    context: Context,
+    models: SceneModels,
+    parameters: TruthParameters,
+) -> None:
+    """Writes the objects' true masses and starts into the plant's context."""
+    for index, scale, start in zip(
+        models.objects,
+        parameters.mass_scale,
+        parameters.starts,
+        strict=True,
+    ):
+        body = plant.get_body(index)
+        body.SetMass(context, body.default_mass() * scale)
+        X_WO = move_start(body.EvalPoseInWorld(context), start)
+        plant.SetFreeBodyPose(context, body, X_WO)
+
+
 def MakeTruth(*, scene: Scene, parameters: TruthParameters) -> Truth:
     """Builds the truth of a scene.
 
@@ -117,17 +178,9 @@ def MakeTruth(*, scene: Scene, parameters: TruthParameters) -> Truth:
     """
     config = scene.recording
     builder = RobotDiagramBuilder(time_step=config.time_step)
-    plant, scene_graph = builder.plant(), builder.scene_graph()
-    plant.set_contact_model(ContactModel.kHydroelasticWithFallback)
-    plant.set_discrete_contact_approximation(
-        DiscreteContactApproximation.kLagged
-    )
-    models = AddSceneModels(plant, scene)
-    _set_contact(plant, scene_graph, models, config, parameters)
+    models = AddTruthModels(builder=builder, scene=scene, parameters=parameters)
+    plant = builder.plant()
     joints = ActuatedJoints(plant, models.robot)
-    _set_controller(plant, models.robot, config)
-    AddLabelRenderer(scene_graph)
-    plant.Finalize()
     trajectory = MakeJointTrajectory(
         plant=plant,
         robot=models.robot,
@@ -155,19 +208,14 @@ def MakeTruthContext(*, truth: Truth, parameters: TruthParameters) -> Context:
     Raises:
         ValueError: the path leads into something fixed.
     """
-    diagram, plant = truth.diagram, truth.diagram.plant()
+    diagram = truth.diagram
     context = diagram.CreateDefaultContext()
-    plant_context = diagram.mutable_plant_context(context)
-    for index, scale, start in zip(
-        truth.models.objects,
-        parameters.mass_scale,
-        parameters.starts,
-        strict=True,
-    ):
-        body = plant.get_body(index)
-        body.SetMass(plant_context, body.default_mass() * scale)
-        X_WO = move_start(body.EvalPoseInWorld(plant_context), start)
-        plant.SetFreeBodyPose(plant_context, body, X_WO)
+    SetTrueObjects(
+        plant=diagram.plant(),
+        context=diagram.mutable_plant_context(context),
+        models=truth.models,
+        parameters=parameters,
+    )
     CheckPath(
         diagram=diagram,
         models=truth.models,

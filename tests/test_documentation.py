@@ -16,12 +16,18 @@ import yaml
 
 import pbpf_drake
 from pbpf_drake.add_particle_filter import MakeParticleFilter
+from pbpf_drake.diagrams.cartesian_servo import CartesianServo
+from pbpf_drake.diagrams.push_controller import PushConfig, PushController
+from pbpf_drake.diagrams.simulated_camera import SimulatedCamera
+from pbpf_drake.diagrams.true_pose_source import TruePoseSource
 from pbpf_drake.dope_log_source import DopeLogSource
 from pbpf_drake.estimate_recorder import EstimateRecorder
 from pbpf_drake.ground_truth_log_source import GroundTruthLogSource
 from pbpf_drake.joint_log_source import JointLogSource
 from pbpf_drake.particle_filter import PhysicsBasedParticleFilter
 from pbpf_drake.particle_visualizer import ParticleVisualizer
+from pbpf_drake.prediction_model import MakePredictionModel
+from pbpf_drake.scene import Scene
 from pbpf_drake.single_snapshot_estimator import SingleSnapshotEstimator
 
 
@@ -62,6 +68,17 @@ INPUTS_THAT_NEED_NOT_BE_CONNECTED = {
 }
 
 
+def _make_servo(scene: Scene) -> CartesianServo:
+    model = MakePredictionModel(scene)
+    plant, robot = model.diagram.plant(), model.models.robot
+    return CartesianServo(
+        plant=plant,
+        robot=robot,
+        hand=plant.GetFrameByName("pusher_probe", robot),
+        fingertip=np.zeros(3),
+    )
+
+
 def _make(system: type[LeafSystem], folder: Path) -> LeafSystem:
     """Makes one of every system; a new one needs an entry here."""
     scene, log = planar_scene(), make_push_log(duration=0.5)
@@ -87,6 +104,22 @@ def _make(system: type[LeafSystem], folder: Path) -> LeafSystem:
         ),
         ParticleVisualizer: lambda: ParticleVisualizer(
             meshcat=Meshcat(), scene=scene, num_particles=8
+        ),
+        PushController: lambda: PushController(
+            config=PushConfig(goal=np.zeros(2)), start=np.ones(2)
+        ),
+        CartesianServo: lambda: _make_servo(scene),
+        SimulatedCamera: lambda: SimulatedCamera(
+            scene=scene,
+            num_states=MakePredictionModel(scene)
+            .diagram.plant()
+            .num_multibody_states(),
+            rng=np.random.default_rng(0),
+        ),
+        TruePoseSource: lambda: TruePoseSource(
+            plant=MakePredictionModel(scene).diagram.plant(),
+            objects=MakePredictionModel(scene).models.objects,
+            period=0.16,
         ),
     }
     assert system in factories, f"how to make a {system.__name__}?"

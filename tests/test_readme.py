@@ -55,6 +55,16 @@ def test_filter_in_a_diagram_of_ones_own_finds_the_object(capsys):
     assert error < 0.04
 
 
+def test_filter_is_updated_by_hand(capsys):
+    code = next(b for b in blocks("python") if "LiveFilter" in b)
+    found = run(code)
+    assert "block is at" in capsys.readouterr().out
+    # Nothing is detected, so it is where the scene has it.
+    np.testing.assert_allclose(
+        found["X_WO"].translation(), [0.2, 0.0, 0.0065], atol=1e-12
+    )
+
+
 def test_log_of_ones_own_is_written_and_can_be_read(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code = next(b for b in blocks("python") if "WriteLog" in b)

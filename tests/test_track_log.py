@@ -16,6 +16,7 @@ OUTPUTS = {
     "report.json",
     "errors.csv",
     "errors.png",
+    "diagnostics.png",
     "estimates.mcap",
     "replay.html",
 }
@@ -50,7 +51,7 @@ def tracked(request, push, tmp_path_factory):
     return request.param, out
 
 
-def test_all_five_files_are_written_and_nothing_else(tracked):
+def test_all_six_files_are_written_and_nothing_else(tracked):
     _, out = tracked
     assert {path.name for path in out.iterdir()} == OUTPUTS
     assert (out / "errors.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"

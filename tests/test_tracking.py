@@ -58,6 +58,7 @@ def test_a_record_has_one_row_per_update(scene, method):
         "covariances": (1, 6, 6),
         "effective_sample_size": (),
         "particles": (particles, 1, 7),
+        "weights": (particles,),
         "update_ms": (),
     }.items():
         value = getattr(record, name)

@@ -54,6 +54,7 @@ def make_record(
         covariances=covariances * (num_particles > 0),
         effective_sample_size=np.full(num_steps, 0.5 * num_particles),
         particles=np.zeros((num_steps, num_particles, count, 7)),
+        weights=np.full((num_steps, num_particles), 1 / max(num_particles, 1)),
         update_ms=np.arange(1.0, num_steps + 1),
         seed=7,
         config={"num_particles": num_particles},

@@ -1,0 +1,92 @@
+"""A model that is given as nothing but a mesh.
+
+Drake's own parser takes OBJ files only, and only closed ones, whose volume it
+can compute. Here the convex hull counts, as it does everywhere else: for the
+collision geometry, and for mass and inertia. So an open scan will do as well.
+"""
+
+from pydrake.geometry import (
+    Convex,
+    GeometryInstance,
+    IllustrationProperties,
+    Mesh,
+    PerceptionProperties,
+    ProximityProperties,
+    Rgba,
+)
+from pydrake.math import RigidTransform
+from pydrake.multibody.parsing import ModelDirective, PackageMap
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import CalcSpatialInertia, RigidBody
+
+# Files that are taken for models, by their endings.
+MESH_ENDINGS = (".obj", ".gltf", ".glb")
+# Of the hull (in kg/m³), as of a carton with something in it. The filter draws
+# masses of its own.
+_DENSITY = 500.0
+_GREY = Rgba(0.7, 0.7, 0.7)
+
+
+def IsMeshModel(directive: ModelDirective) -> bool:
+    """Tells whether a directive adds a model whose file is a mesh."""
+    model = directive.add_model
+    return model is not None and model.file.lower().endswith(MESH_ENDINGS)
+
+
+def AddMeshModel(
+    plant: MultibodyPlant, directive: ModelDirective, packages: PackageMap
+) -> None:
+    """Adds a model of one body, called as the model is, that is a mesh.
+
+    Args:
+        plant: not finalized yet.
+        directive: adds a model, see IsMeshModel.
+        packages: where package:// leads to.
+
+    Raises:
+        ValueError: the file has no hull, or what the directive says of poses
+            doesn't fit.
+        RuntimeError: there is no such package, or no such file in it.
+    """
+    model = directive.add_model
+    path = packages.ResolveUrl(model.file)
+    try:
+        inertia = CalcSpatialInertia(shape=Convex(path), density=_DENSITY)
+    except (RuntimeError, ValueError) as error:
+        raise ValueError(
+            f"add_model {model.name!r}: {path} has no convex hull: {error}"
+        ) from error
+    instance = plant.AddModelInstance(model.name)
+    body = plant.AddRigidBody(model.name, instance, inertia)
+    if plant.geometry_source_is_registered():
+        _add_geometry(plant, body, path)
+    for name, pose in model.default_free_body_pose.items():
+        frame = pose.base_frame or "world"
+        if name != model.name or frame != "world":
+            raise ValueError(
+                f"add_model {model.name!r}: default_free_body_pose is that of "
+                f"{name!r} in {frame!r}; expected that of {model.name!r} in "
+                "the world: a mesh is one body, of the model's name"
+            )
+        plant.SetDefaultFloatingBaseBodyPose(body, pose.GetDeterministicValue())
+
+
+def _add_geometry(plant: MultibodyPlant, body: RigidBody, path: str) -> None:
+    """Adds the mesh to look at, and its hull to collide with and to render.
+
+    Drake doesn't render an OBJ file that lacks normals. Of the hull it has
+    them.
+    """
+    at = RigidTransform()
+    plant.RegisterCollisionGeometry(
+        body, at, Mesh(path), f"{body.name()}_collision", ProximityProperties()
+    )
+    seen = GeometryInstance(at, Mesh(path), f"{body.name()}_mesh")
+    seen.set_illustration_properties(IllustrationProperties())
+    seen.mutable_illustration_properties().AddProperty(
+        "phong", "diffuse", _GREY
+    )
+    rendered = GeometryInstance(at, Convex(path), f"{body.name()}_hull")
+    rendered.set_perception_properties(PerceptionProperties())
+    for geometry in seen, rendered:
+        plant.RegisterVisualGeometry(body, geometry)
