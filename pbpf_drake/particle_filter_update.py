@@ -29,6 +29,8 @@ from pbpf_drake.visibility import VisibilityModel, visibility_log_factor
 # First particles are chosen from this many times as many: of 70 that are
 # spread over 0.16 m and 0.43 rad, about one would be where the object is.
 _CANDIDATES = 100
+# Of a track that seems lost, one of so many particles is drawn anew.
+_ONE_OF = 8
 
 
 class ParticleFilterUpdate:
@@ -90,7 +92,7 @@ class ParticleFilterUpdate:
         known = active | _mask(detections, len(active))
         motion = self._Predict(state, path, step, scratch[0])
         predicted = self._AddNoise(motion, active, step)
-        state = self._Compare(state, predicted, detections)
+        state = self._Compare(state, predicted, motion.supports, detections)
         drawn, started = self._Start(state, predicted, detections, step)
         resolved = self._motion_model.ResolvePenetration(
             drawn,
@@ -104,6 +106,8 @@ class ParticleFilterUpdate:
         failed = motion.failed & ~np.all(started[:, known], axis=1)
         log_weights = np.where(failed, -np.inf, 0.0)
         for k, seen in detections.items():
+            if active[k] and started[:, k].any():
+                continue  # What called for particles can't judge them, too.
             log_weights += self._Observe(
                 before[:, k], resolved[:, k], path, seen
             )
@@ -165,6 +169,7 @@ class ParticleFilterUpdate:
         self,
         state: FilterState,
         predicted: np.ndarray,
+        supports: np.ndarray,
         detections: Mapping[int, Sequence[StampedPose]],
     ) -> FilterState:
         """Keeps track of how detections and particles disagree."""
@@ -176,6 +181,7 @@ class ParticleFilterUpdate:
                     predicted[:, k, 4:],
                     np.array([detection.pose[4:] for detection in seen]),
                     self._config.detection_noise.position,
+                    _common_support(supports[:, k]),
                 )
         return replace(state, disagreement=disagreement)
 
@@ -188,8 +194,9 @@ class ParticleFilterUpdate:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Draws particles from detections, where a track begins or is lost.
 
-        Of an object that is lost, every other particle is drawn anew; the
-        observation then decides between the two halves.
+        Of an object that seems lost, some of the particles are drawn anew.
+        The next detections then decide between them and the others: those
+        that called for them may be outliers.
 
         Returns:
             The particles (M, K, 7), and which of them are new, (M, K).
@@ -202,7 +209,7 @@ class ParticleFilterUpdate:
             elif self._config.recover_lost_tracks and is_lost(
                 state.disagreement[k]
             ):
-                new[::2, k] = True
+                new[::_ONE_OF, k] = True
                 state.disagreement[k] = 0.0
             count = int(np.count_nonzero(new[:, k]))
             if count:
@@ -328,6 +335,13 @@ def _at_images(
         fraction = _fraction(path, seen[-1].time)
         imaged[:, k] = poses_at(start[:, k], end[:, k], fraction)
     return imaged
+
+
+def _common_support(supports: np.ndarray) -> np.ndarray:
+    """Returns the unit normal (3,) that most particles stand on, or zeros."""
+    mean = np.mean(supports, axis=0)
+    length = np.linalg.norm(mean)
+    return mean / length if length > 0.5 else np.zeros(3)
 
 
 def _mask(indices: Iterable[int], length: int) -> np.ndarray:

@@ -13,13 +13,13 @@ import numpy as np
 _GAIN = 0.25
 # A single detection counts as this many standard deviations at most ...
 _LARGEST = 3.0
-# ... and one that is so far off that it may be an outlier counts less: two of
-# them are not enough, three that agree are.
+# ... and one that is so far off that it may be an outlier counts less: three of
+# them are not enough, four that agree are.
 _OUTLIER = 5.0
-_OUTLIER_COUNTS = 2.0
+_OUTLIER_COUNTS = 1.5
 # χ² with 3 degrees of freedom exceeds it in every ninth case by chance, too.
-# Then the particles that are drawn anew do little harm, while what was poked
-# just before it is hidden has to be found at once.
+# Then the few particles that are drawn anew do little harm, while what was
+# poked just before it is hidden has to be found at once.
 _LOST = 6.0
 
 
@@ -28,6 +28,7 @@ def mean_disagreement(
     particles: np.ndarray,
     detections: np.ndarray,
     stddev: float,
+    support: np.ndarray,
 ) -> np.ndarray:
     """Returns the running mean of the disagreement, (3,).
 
@@ -40,8 +41,12 @@ def mean_disagreement(
         particles: (M, 3) predicted positions (in meters).
         detections: (n, 3) detected positions (in meters), n > 0.
         stddev: σ_DOPE of a position (in meters).
+        support: (3,) the normal of what the particles stand on, or zeros.
+            They can't follow along it: an offset there is a bias of the
+            detector.
     """
     offset = np.mean(detections, axis=0) - np.mean(particles, axis=0)
+    offset -= (support @ offset) * support
     spread = particles - np.mean(particles, axis=0)
     covariance = spread.T @ spread / len(particles)
     covariance += np.eye(3) * stddev**2 / len(detections)

@@ -15,9 +15,9 @@ ZERO = np.zeros(3)
 GAIN = 0.25
 
 
-def _compare(offsets, last=ZERO, cloud=CLOUD):
+def _compare(offsets, last=ZERO, cloud=CLOUD, support=ZERO):
     detections = np.mean(cloud, axis=0) + np.atleast_2d(offsets)
-    return mean_disagreement(last, cloud, detections, STDDEV)
+    return mean_disagreement(last, cloud, detections, STDDEV, support)
 
 
 def test_disagreement_is_the_offset_in_standard_deviations_of_both():
@@ -78,9 +78,9 @@ def test_one_outlier_never_shows_a_loss_however_large(size):
 
 
 @pytest.mark.parametrize("size", [0.2, 1e6])
-def test_three_outliers_that_agree_show_a_loss_but_not_two(size):
+def test_four_outliers_that_agree_show_a_loss_but_not_three(size):
     value = ZERO
-    for expected in (False, False, True):
+    for expected in (False, False, False, True):
         value = _compare([0, size, 0], value)
         assert is_lost(value) is expected
 
@@ -116,7 +116,7 @@ def _false_alarms(outliers: float, steps: int) -> float:
     detections[wrong] += rng.uniform(-1, 1, (np.count_nonzero(wrong), 1, 3))
     value, alarms = ZERO, 0
     for cloud, seen in zip(clouds, detections, strict=True):
-        value = mean_disagreement(value, cloud, seen, STDDEV)
+        value = mean_disagreement(value, cloud, seen, STDDEV, ZERO)
         if is_lost(value):
             value, alarms = ZERO, alarms + 1
     return alarms / steps
@@ -130,3 +130,10 @@ def test_alarms_of_an_intact_track_are_rare():
 
 def test_outliers_hardly_add_to_the_alarms():
     assert _false_alarms(outliers=0.05, steps=10_000) < 1 / 15
+
+
+def test_what_a_support_prevents_is_no_disagreement():
+    """A detector may report what stands on a table as if it floated."""
+    up = np.array([0.0, 0.0, 1.0])
+    found = _compare([0.02, -0.01, 0.07], support=up)
+    np.testing.assert_allclose(found, _compare([0.02, -0.01, 0.0]), atol=1e-9)
