@@ -155,8 +155,10 @@ class ParticleFilterConfig:
         default_factory=PhysicalParametersConfig
     )
     # Whether particles are drawn from the detections again where those show
-    # that a track is lost; see track_loss. Not in the paper.
-    recover_lost_tracks: bool = True
+    # that a track is lost; see track_loss. Not in the paper, and only for
+    # detectors without a bias: one that is centimetres off all the time looks
+    # like a lost track.
+    recover_lost_tracks: bool = False
     # A detection older than this when it arrives is not used (in seconds).
     max_detection_age: float = 0.25
     # A particle that is simulated to move faster than this is a failed one

@@ -29,8 +29,6 @@ from pbpf_drake.visibility import VisibilityModel, visibility_log_factor
 # First particles are chosen from this many times as many: of 70 that are
 # spread over 0.16 m and 0.43 rad, about one would be where the object is.
 _CANDIDATES = 100
-# Of a track that seems lost, one of so many particles is drawn anew.
-_ONE_OF = 8
 
 
 class ParticleFilterUpdate:
@@ -106,8 +104,6 @@ class ParticleFilterUpdate:
         failed = motion.failed & ~np.all(started[:, known], axis=1)
         log_weights = np.where(failed, -np.inf, 0.0)
         for k, seen in detections.items():
-            if active[k] and started[:, k].any():
-                continue  # What called for particles can't judge them, too.
             log_weights += self._Observe(
                 before[:, k], resolved[:, k], path, seen
             )
@@ -194,9 +190,8 @@ class ParticleFilterUpdate:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Draws particles from detections, where a track begins or is lost.
 
-        Of an object that seems lost, some of the particles are drawn anew.
-        The next detections then decide between them and the others: those
-        that called for them may be outliers.
+        Of an object that is lost, every other particle is drawn anew; the
+        observation then decides between the two halves.
 
         Returns:
             The particles (M, K, 7), and which of them are new, (M, K).
@@ -209,7 +204,7 @@ class ParticleFilterUpdate:
             elif self._config.recover_lost_tracks and is_lost(
                 state.disagreement[k]
             ):
-                new[::_ONE_OF, k] = True
+                new[::2, k] = True
                 state.disagreement[k] = 0.0
             count = int(np.count_nonzero(new[:, k]))
             if count:

@@ -13,13 +13,13 @@ import numpy as np
 _GAIN = 0.25
 # A single detection counts as this many standard deviations at most ...
 _LARGEST = 3.0
-# ... and one that is so far off that it may be an outlier counts less: three of
-# them are not enough, four that agree are.
+# ... and one that is so far off that it may be an outlier counts less: two of
+# them are not enough, three that agree are.
 _OUTLIER = 5.0
-_OUTLIER_COUNTS = 1.5
+_OUTLIER_COUNTS = 2.0
 # χ² with 3 degrees of freedom exceeds it in every ninth case by chance, too.
-# Then the few particles that are drawn anew do little harm, while what was
-# poked just before it is hidden has to be found at once.
+# Then the particles that are drawn anew do little harm, while what was poked
+# just before it is hidden has to be found at once.
 _LOST = 6.0
 
 

@@ -88,8 +88,8 @@ def test_scenes_differ_by_what_hides_the_object(kind):
         for s in scenes
     ]
     assert has_obstacle == [True, False, False]
-    seeds = {s.recording.seed for s in scenes}
-    assert seeds == {0}
+    # Their runs, and so the errors of their detectors, are independent.
+    assert len({s.recording.seed for s in scenes}) == 3
 
 
 def test_support_is_wide_enough_for_the_corners_of_the_box_it_holds():

@@ -216,7 +216,9 @@ def test_joints_that_jump_do_not_stop_the_filter(scene, size):
 
 def test_the_filter_goes_on_where_all_particles_fail(scene):
     """None is slow enough; the motion is unknown, the block is not."""
-    run = _tracking(scene, motion="physics", max_speed=1e-12)
+    run = _tracking(
+        scene, motion="physics", max_speed=1e-12, recover_lost_tracks=True
+    )
     for i in range(2, 6):
         run.measure(detections(PERIOD * i - 0.01, block=AWAY))
         run.update(i)
@@ -277,7 +279,13 @@ def test_whatever_comes_in_what_goes_out_is_finite(
     scene, motion, updates, seed
 ):
     rng = np.random.default_rng(seed)
-    run = _make(scene, motion=motion, num_particles=6, use_visibility=True)
+    run = _make(
+        scene,
+        motion=motion,
+        num_particles=6,
+        use_visibility=True,
+        recover_lost_tracks=motion == "physics",
+    )
     for i in range(1, updates + 1):
         for part in (0.3, 0.6):
             _disturb(run, rng, i)

@@ -70,7 +70,8 @@ def test_an_update_leaves_its_input_as_it_is():
     state.disagreement[:] = 5.0
     for field in fields(state):
         getattr(state, field.name).setflags(write=False)
-    after = step(make_update(), state, {0: [see(state, [0.3, 0, 0])]})
+    update = make_update(recover_lost_tracks=True)
+    after = step(update, state, {0: [see(state, [0.3, 0, 0])]})
     assert after.disagreement[0, 0] == 0
     assert state.disagreement[0, 0] == 5
 
@@ -135,8 +136,14 @@ def _distance(state: FilterState) -> float:
     return float(np.linalg.norm(state.estimates[0, 0, 4:] - [0.0, 0.5, 0.0]))
 
 
+def _recovering(**changes):
+    return make_update(
+        FreeMotion(np.zeros(3), **changes), recover_lost_tracks=True
+    )
+
+
 def test_a_lost_track_is_found_again_with_the_third_detection():
-    update = make_update(FreeMotion(np.zeros(3)))
+    update = _recovering()
     assert _distance(_track_jump(update, 2)) > 0.4
     state = _track_jump(update, 3)
     assert _distance(state) < 0.01
@@ -151,18 +158,18 @@ def test_a_lost_track_is_found_again_with_the_third_detection():
 
 
 def test_a_lost_track_is_found_again_by_particles_that_all_fail():
-    update = make_update(FreeMotion(np.zeros(3), fails=range(200)))
+    update = _recovering(fails=range(200))
     assert _distance(_track_jump(update, 3)) < 0.01
 
 
 def test_a_track_stays_lost_if_it_is_not_to_be_recovered():
-    update = make_update(FreeMotion(np.zeros(3)), recover_lost_tracks=False)
-    assert _distance(_track_jump(update, 6)) > 0.3
+    update = make_update(FreeMotion(np.zeros(3)))
+    assert _distance(_track_jump(update, 7)) > 0.3
 
 
 @pytest.mark.parametrize("size", [0.5, 100.0])
 def test_one_outlier_does_not_draw_particles_anew(size):
-    update = make_update(FreeMotion(np.zeros(3)))
+    update = _recovering()
     state = make_cloud(np.zeros(3), 1e-4 * np.eye(3), 200)
     for p in ([0, 0, 0], [size, 0, 0], [0, 0, 0], [0, 0, 0]):
         state = step(update, state, {0: [see(state, p)]})

@@ -100,5 +100,5 @@ def test_costs_grow_with_the_work():
     assert cost("pbpf", duration=5.0) < cost("pbpf")
     assert cost("pbpf", particles=10) < cost("pbpf")
     assert cost("pbpf") < cost("pbpf", "cheezit_gelatin_soup")
-    assert recording_cost(SceneRun("cheezit_1", 0)) == 25.0
+    assert recording_cost(SceneRun("cheezit_1", 0)) == 28.0
     assert recording_cost(SceneRun("cheezit_1", 0, 2.0)) == 2.0
