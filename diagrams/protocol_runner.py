@@ -1,9 +1,13 @@
 """Records and evaluates what a protocol says, as far as it isn't stored."""
 
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
 from pbpf_drake.diagrams.evaluation import (
+    Evaluation,
     Result,
+    SceneRun,
     evaluate,
     evaluation_code,
     read_result,
@@ -48,7 +52,7 @@ def RunProtocol(
             Job(
                 scene_run.name(),
                 record,
-                lambda run=scene_run: (run, code),
+                partial(_recording, scene_run, code),
                 cost=recording_cost(scene_run),
             ),
             recording_key(scene_run),
@@ -71,7 +75,7 @@ def RunProtocol(
                 Job(
                     name,
                     evaluate,
-                    lambda e=e: (e, logs[e.scene_run.name()], code),
+                    partial(_evaluation, e, logs, code),
                     cost=evaluation_cost(e),
                 ),
                 evaluation_key(e, logs[e.scene_run.name()]),
@@ -85,3 +89,15 @@ def RunProtocol(
     )
     results = [read_result(e, data[n]) for n, e in todo.items() if n in data]
     return results, failures + failed
+
+
+def _recording(scene_run: SceneRun, code: str) -> tuple[SceneRun, str]:
+    """Returns the arguments of record."""
+    return scene_run, code
+
+
+def _evaluation(
+    evaluation: Evaluation, logs: Mapping[str, bytes], code: str
+) -> tuple[Evaluation, bytes, str]:
+    """Returns the arguments of evaluate; the log is read only then."""
+    return evaluation, logs[evaluation.scene_run.name()], code
