@@ -46,7 +46,12 @@ def _run(folder: Path, *more: str) -> str:
 def reproduced(tmp_path_factory):
     """The folder, what was stored when it was killed, and what was printed."""
     folder = tmp_path_factory.mktemp("tables")
-    command = [sys.executable, "-m", "pbpf_drake.diagrams.reproduce_tables"]
+    command = [
+        sys.executable,
+        "-P",
+        "-m",
+        "pbpf_drake.diagrams.reproduce_tables",
+    ]
     with subprocess.Popen(
         [*command, *OPTIONS, "--out", str(folder)],
         stdout=subprocess.DEVNULL,

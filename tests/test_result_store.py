@@ -89,7 +89,7 @@ def test_a_writer_that_is_killed_leaves_whole_files_only(tmp_path):
     """
     for _ in range(3):
         with subprocess.Popen(
-            [sys.executable, "-c", textwrap.dedent(code)]
+            [sys.executable, "-P", "-c", textwrap.dedent(code)]
         ) as writer:
             before = path.stat().st_mtime_ns if path.exists() else 0
             end = time.monotonic() + 30
