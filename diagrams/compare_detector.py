@@ -24,6 +24,7 @@ import numpy as np
 from tqdm import tqdm
 
 from pbpf_drake import quaternions
+from pbpf_drake.diagrams.paper_values import PAPER, SCENES
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.log import DetectionRecord, PoseRecord
 from pbpf_drake.pose_conversion import rigid_transform
@@ -33,29 +34,6 @@ from pbpf_drake.scene_models import data_folder
 from pbpf_drake.simulated_detector import SimulatedDetector
 from pbpf_drake.truth_simulation import Recording, RecordRun
 
-SCENES = (
-    "cheezit_1",
-    "cheezit_2",
-    "cheezit_3",
-    "cheezit_4",
-    "soup_1",
-    "soup_2",
-    "soup_3",
-    "scene_5",
-)
-# DOPE's means in Tables 1 and 2: position [m] and rotation [rad].
-_PAPER = {
-    ("cheezit_1", "cracker"): (0.289, 1.345),
-    ("cheezit_2", "cracker"): (0.293, 1.046),
-    ("cheezit_3", "cracker"): (0.052, 0.375),
-    ("cheezit_4", "cracker"): (0.017, 0.201),
-    ("soup_1", "soup"): (0.215, 1.174),
-    ("soup_2", "soup"): (0.206, 0.776),
-    ("soup_3", "soup"): (0.071, 0.438),
-    ("scene_5", "cracker"): (0.058, 0.158),
-    ("scene_5", "gelatin"): (0.179, 0.272),
-    ("scene_5", "soup"): (0.045, 1.193),
-}
 _QUANTILES = (0.05, 0.5, 0.95)
 _COLUMNS = [
     "scene",
@@ -246,12 +224,11 @@ def make_rows(
 ) -> list[list]:
     """Returns a row per statistic, as _COLUMNS says."""
     real = {} if trace is None else describe(trace)
-    means = dict(
-        zip(
-            ("position: mean", "rotation: mean"),
-            _PAPER.get((scene, object_name), ()),
-            strict=False,
-        )
+    paper = PAPER.get((scene, object_name, "dope"))
+    means = (
+        {"position: mean": paper.pos_mean, "rotation: mean": paper.rot_mean}
+        if paper
+        else {}
     )
     rows = []
     for key in simulated[0]:

@@ -13,19 +13,23 @@ The bags are those of mcubelab/cpush.
 """
 
 import argparse
-from concurrent.futures import ProcessPoolExecutor
-import csv
 from dataclasses import replace
 from functools import cache
 import itertools
-import os
 from pathlib import Path
 import sys
 
 import numpy as np
-from tqdm import tqdm
 
 from pbpf_drake.diagrams.planar_push_log import SimulateDetections
+from pbpf_drake.diagrams.push_evaluation import (
+    METHODS,
+    EvaluateAll,
+    MakeParser,
+    PushConfig,
+    Row,
+    WriteRows,
+)
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.log import Log
 from pbpf_drake.log_reader import ReadLog
@@ -34,9 +38,8 @@ from pbpf_drake.pose_interpolation import interpolate_poses
 from pbpf_drake.quaternions import conjugate, rotate
 from pbpf_drake.scene import LoadScene, Scene
 from pbpf_drake.scene_models import data_folder
-from pbpf_drake.tracking import DefaultConfig, Track
+from pbpf_drake.tracking import Track
 
-_METHODS = ("pbpf", "cvpf", "dope")
 _BLACKOUTS = ("contact", "earlier", "slip")
 _LENGTH = 0.5
 _JOINTS = ("pusher_x", "pusher_y")
@@ -87,7 +90,7 @@ def choose_blackout(
     return end - _LENGTH, end
 
 
-def evaluate(job: tuple[Path, str, int, str]) -> dict[str, float | str]:
+def evaluate(job: tuple[Path, str, int, str]) -> Row:
     """Tracks one run; returns a row of results.
 
     Errors are in meters and radians: at the blackout's end, and their means
@@ -98,10 +101,7 @@ def evaluate(job: tuple[Path, str, int, str]) -> dict[str, float | str]:
     (name,) = scene.object_names()
     log = ReadLog(filename=filename, scene=scene, joint_names=_JOINTS)
     truth = log.ground_truth[name]
-    config = replace(DefaultConfig(scene, method), seed=seed)
-    # People poke the block, and these detections have no bias.
-    if method == "pbpf":
-        config = replace(config, recover_lost_tracks=True)
+    config = PushConfig(scene, method, seed)
     start, slip = contact_interval(log, name)
     blackout = choose_blackout(which, slip, config.period)
     detections = SimulateDetections(
@@ -151,7 +151,7 @@ _HEADER = """\
 
 def summarize(run: str, blackout: str, rows: list[dict]) -> str:
     """Returns a line of a Markdown table: medians, 90th percentiles."""
-    end = {m: 1e3 * _column(rows, m, "end_m") for m in _METHODS}
+    end = {m: 1e3 * _column(rows, m, "end_m") for m in METHODS}
     turn = {m: _column(rows, m, "end_rad") for m in ("pbpf", "dope")}
     around = [
         " / ".join(
@@ -167,7 +167,7 @@ def summarize(run: str, blackout: str, rows: list[dict]) -> str:
         f"{1e3 * np.median(_column(rows, 'pbpf', 'moved_m')):.0f}",
         *(
             f"{np.median(end[m]):.0f} / {np.percentile(end[m], 90):.0f}"
-            for m in _METHODS
+            for m in METHODS
         ),
         f"{np.median(end['pbpf'] / end['dope']):.2f}",
         f"{100 * share:.0f} %",
@@ -185,17 +185,8 @@ def run(args: argparse.Namespace) -> None:
     files = sorted(args.data.glob("*.bag"))
     if not files:
         raise ValueError(f"there are no bags in {args.data}")
-    jobs = list(
-        itertools.product(files, _BLACKOUTS, range(args.seeds), _METHODS)
-    )
-    with ProcessPoolExecutor(args.jobs) as executor:
-        rows = list(
-            tqdm(executor.map(evaluate, jobs), total=len(jobs), unit="track")
-        )
-    with open(args.out, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, fieldnames=rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
+    jobs = itertools.product(files, _BLACKOUTS, range(args.seeds), METHODS)
+    rows = EvaluateAll(evaluate, jobs, num_processes=args.jobs)
     print("At the end of the blackout: median / 90th percentile over seeds.")
     print("Before and after the slip: means, of PBPF / hold")
     print(_HEADER)
@@ -206,16 +197,14 @@ def run(args: argparse.Namespace) -> None:
             if (row["run"], row["blackout"]) == (path.stem, which)
         ]
         print(summarize(path.stem, which, chosen))
-    print(f"Written to {args.out}")
+    WriteRows(args.out, rows)
 
 
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("data", type=Path, help="folder of bags")
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--out", type=Path, default=Path("push_bags.csv"))
+    parser = MakeParser(
+        __doc__.split("\n")[0], data="bags", seeds=10, out="push_bags.csv"
+    )
     args = parser.parse_args(argv)
     return RunCommand("evaluate_push_bags", lambda: run(args))
 

@@ -9,19 +9,22 @@ planar_push_log.py for their columns.
 """
 
 import argparse
-import csv
-from dataclasses import replace
 import itertools
-import os
 from pathlib import Path
 import sys
 import tempfile
 
 import numpy as np
-from tqdm import tqdm
 
-from pbpf_drake.diagrams.executors import LocalExecutor
 from pbpf_drake.diagrams.planar_push_log import ReadPlanarPush
+from pbpf_drake.diagrams.push_evaluation import (
+    METHODS,
+    EvaluateAll,
+    MakeParser,
+    PushConfig,
+    Row,
+    WriteRows,
+)
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.log import Log
 from pbpf_drake.log_reader import ReadLog
@@ -29,9 +32,8 @@ from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.pose_errors import compute_errors
 from pbpf_drake.scene import LoadScene, Scene
 from pbpf_drake.scene_models import data_folder
-from pbpf_drake.tracking import DefaultConfig, Track
+from pbpf_drake.tracking import Track
 
-_METHODS = ("pbpf", "cvpf", "dope")
 _BLACKOUT = (0.4, 0.8)
 _RECOVERED = 0.03
 _HALF_HEIGHT = 0.0065
@@ -52,7 +54,7 @@ def _through_mcap(log: Log, scene: Scene) -> Log:
         return ReadLog(filename=path, scene=scene, joint_names=log.joints.names)
 
 
-def evaluate(job: tuple[Path, int, str]) -> dict[str, float | str]:
+def evaluate(job: tuple[Path, int, str]) -> Row:
     """Tracks one run with one seed and method; returns a row of results.
 
     Errors are in meters and radians, ``recovery_s`` is the time from the end
@@ -70,10 +72,7 @@ def evaluate(job: tuple[Path, int, str]) -> dict[str, float | str]:
         blackout=_BLACKOUT,
     )
     log = _through_mcap(log, scene)
-    config = replace(DefaultConfig(scene, method), seed=seed)
-    # People poke the block, and these detections have no bias.
-    if method == "pbpf":
-        config = replace(config, recover_lost_tracks=True)
+    config = PushConfig(scene, method, seed)
     record = Track(scene=scene, log=log, method=method, config=config)
     errors = compute_errors(record, name, log.ground_truth[name])
     start, end = (share * log.duration for share in _BLACKOUT)
@@ -105,7 +104,7 @@ def _column(rows: list[dict], method: str, name: str) -> np.ndarray:
 
 def summarize(title: str, rows: list[dict]) -> str:
     """Returns a line of a Markdown table: medians, 90th percentiles."""
-    end = {m: 1e3 * _column(rows, m, "end_m") for m in _METHODS}
+    end = {m: 1e3 * _column(rows, m, "end_m") for m in METHODS}
     yaw = _column(rows, "pbpf", "end_rad")
     share = np.mean(end["pbpf"] <= 0.25 * end["dope"])
     recovery = _column(rows, "pbpf", "recovery_s")
@@ -113,7 +112,7 @@ def summarize(title: str, rows: list[dict]) -> str:
         title,
         *(
             f"{np.median(end[m]):.0f} / {np.percentile(end[m], 90):.0f}"
-            for m in _METHODS
+            for m in METHODS
         ),
         f"{np.median(end['pbpf'] / end['dope']):.2f}",
         f"{np.median(end['pbpf'] / end['cvpf']):.2f}",
@@ -137,15 +136,8 @@ def run(args: argparse.Namespace) -> None:
     files = sorted(args.data.glob("*.csv"))
     if not files:
         raise ValueError(f"there are no CSV files in {args.data}")
-    jobs = list(itertools.product(files, range(args.seeds), _METHODS))
-    with LocalExecutor(args.jobs) as executor:
-        rows = list(
-            tqdm(executor.map(evaluate, jobs), total=len(jobs), unit="track")
-        )
-    with open(args.out, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, fieldnames=rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
+    jobs = itertools.product(files, range(args.seeds), METHODS)
+    rows = EvaluateAll(evaluate, jobs, num_processes=args.jobs)
     print("At the end of the blackout: median / 90th percentile over seeds")
     print(_HEADER)
     for path in files:
@@ -155,16 +147,14 @@ def run(args: argparse.Namespace) -> None:
     if clean:
         print(summarize("**clean runs**", clean))
     print(summarize("**all runs**", rows))
-    print(f"Written to {args.out}")
+    WriteRows(args.out, rows)
 
 
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("data", type=Path, help="folder of CSV files")
-    parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--out", type=Path, default=Path("real_pushes.csv"))
+    parser = MakeParser(
+        __doc__.split("\n")[0], data="CSV files", seeds=5, out="real_pushes.csv"
+    )
     args = parser.parse_args(argv)
     return RunCommand("evaluate_pushes", lambda: run(args))
 

@@ -100,4 +100,5 @@ def _make_bar(
 def _advance(bar: tqdm, job: Job | None, done: int, total: int) -> None:
     bar.set_postfix_str(f"{done} of {total}", refresh=job is None)
     if job is not None:
-        bar.update(job.cost)
+        # The costs' sum differs from their total by rounding.
+        bar.update(min(job.cost, bar.total - bar.n))

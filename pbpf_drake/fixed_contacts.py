@@ -63,7 +63,6 @@ class FixedContacts:
     """
 
     def __init__(self, model: PredictionModel) -> None:
-        self._model = model
         self._inspector = model.diagram.scene_graph().model_inspector()
         objects = model.models.objects
         boxes = MakeBoundingBoxes(

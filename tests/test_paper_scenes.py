@@ -6,18 +6,8 @@ from pydrake.geometry import Box, Cylinder
 import pytest
 from recording_fixtures import SCENES
 
+from pbpf_drake.diagrams.paper_values import SCENES as NAMES
 from pbpf_drake.scene import LoadScene
-
-NAMES = [
-    "cheezit_1",
-    "cheezit_2",
-    "cheezit_3",
-    "cheezit_4",
-    "soup_1",
-    "soup_2",
-    "soup_3",
-    "scene_5",
-]
 
 
 def _corners(world: World, name: str) -> np.ndarray:

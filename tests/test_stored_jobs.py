@@ -90,3 +90,20 @@ def test_a_damaged_file_is_said_beside_the_bar(tmp_path, capsys):
     results, _ = _run(_jobs(_text), tmp_path)
     assert results["job_1"] == b"result 1"
     assert f"{path} is damaged; it is made again" in capsys.readouterr().err
+
+
+# The order in which these are added decides what their sum is; and the sum()
+# of CPython 3.12 is exact.
+@pytest.mark.parametrize(
+    "costs", [(0.1, 0.1, 0.2, 0.3), (0.1, 0.2, 0.3, 0.1), (0.7, 0.1, 0.3)]
+)
+@pytest.mark.parametrize("late", range(3))
+def test_the_bar_never_passes_its_end(costs, late, tmp_path, capsys):
+    def compute(i: int) -> bytes:
+        if i == late:
+            raise ValueError("later")
+        return _text(i)
+
+    _run(_jobs(compute, costs), tmp_path)
+    _run(_jobs(_text, costs), tmp_path)
+    assert "100%" in capsys.readouterr().err.split("\r")[-1]

@@ -1,0 +1,75 @@
+"""What the evaluations of recorded pushes have in common."""
+
+import argparse
+from collections.abc import Callable, Iterable
+import csv
+from dataclasses import replace
+import os
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from pbpf_drake.diagrams.executors import LocalExecutor
+from pbpf_drake.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.scene import Scene
+from pbpf_drake.tracking import DefaultConfig
+
+METHODS = ("pbpf", "cvpf", "dope")
+
+Row = dict[str, float | str]
+
+
+def PushConfig(scene: Scene, method: str, seed: int) -> ParticleFilterConfig:
+    """Returns the config of a method for recorded pushes.
+
+    PBPF recovers lost tracks in them: people poke the block, and these
+    detections have no bias that would look like a lost track.
+    """
+    config = replace(DefaultConfig(scene, method), seed=seed)
+    return replace(config, recover_lost_tracks=method == "pbpf")
+
+
+def EvaluateAll(
+    evaluate: Callable[[Any], Row], jobs: Iterable[Any], *, num_processes: int
+) -> list[Row]:
+    """Returns a row of results for every job, with a progress bar.
+
+    Args:
+        evaluate: a function of a module; called in another process.
+        jobs: its arguments.
+        num_processes: how many run at the same time.
+    """
+    jobs = list(jobs)
+    with LocalExecutor(num_processes) as executor:
+        return list(
+            tqdm(executor.map(evaluate, jobs), total=len(jobs), unit="track")
+        )
+
+
+def WriteRows(filename: Path, rows: list[Row]) -> None:
+    """Writes rows of results as a CSV file, and says where."""
+    with open(filename, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, fieldnames=rows[0])
+        writer.writeheader()
+        writer.writerows(rows)
+    print(f"Written to {filename}")
+
+
+def MakeParser(
+    description: str, *, data: str, seeds: int, out: str
+) -> argparse.ArgumentParser:
+    """Returns the command line of an evaluation.
+
+    Args:
+        description: what it does.
+        data: what the folder holds.
+        seeds: how many by default.
+        out: the file of results by default.
+    """
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("data", type=Path, help=f"folder of {data}")
+    parser.add_argument("--seeds", type=int, default=seeds)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--out", type=Path, default=Path(out))
+    return parser
