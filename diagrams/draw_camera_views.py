@@ -33,6 +33,7 @@ from pbpf_drake.joint_log_source import interpolate_joints
 from pbpf_drake.log import Log
 from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.particle_filter_config import METHODS
+from pbpf_drake.pinhole import project_points
 from pbpf_drake.pose_conversion import rigid_transform
 from pbpf_drake.pose_interpolation import interpolate_poses
 from pbpf_drake.prediction_model import MakePredictionModel
@@ -40,6 +41,7 @@ from pbpf_drake.scene import CameraConfig, LoadScene, Scene
 from pbpf_drake.scene_models import AddSceneModels, data_folder
 from pbpf_drake.track_record import TrackRecord
 from pbpf_drake.tracking import SceneOfLog, Track
+from pbpf_drake.wireframes import box_edges
 
 _COLORS = {"dope": "#FFD500"}
 _ESTIMATE_COLOR = "#19E05A"
@@ -84,8 +86,7 @@ def project(p_W: np.ndarray, camera: CameraConfig) -> np.ndarray:
     """
     X_CW = camera.pose().inverse()
     p_C = p_W @ X_CW.rotation().matrix().T + X_CW.translation()
-    focal, centre = [camera.fx, camera.fy], [camera.cx, camera.cy]
-    return p_C[..., :2] / p_C[..., 2:] * focal + centre
+    return project_points(p_C, camera)
 
 
 class CameraView:
@@ -161,9 +162,7 @@ def _box_edges(diagram: RobotDiagram, index: BodyIndex) -> np.ndarray:
         X_BA = inspector.GetPoseInFrame(geometry) @ box.pose()
         corners.append((X_BA @ (signs * box.half_width()).T).T)
     low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
-    box_corners = np.where(signs > 0, high, low)
-    edges = [(i, i | b) for i in range(8) for b in (1, 2, 4) if not i & b]
-    return box_corners[np.array(edges)]
+    return box_edges(0.5 * (high - low)) + 0.5 * (low + high)
 
 
 def _true_poses(scene: Scene, log: Log, time: float) -> list[RigidTransform]:

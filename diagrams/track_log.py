@@ -9,11 +9,11 @@ from dataclasses import replace
 import os
 from pathlib import Path
 import sys
-from typing import Any
 
 from pydrake.geometry import Meshcat, MeshcatParams
 from tqdm import tqdm
 
+from pbpf_drake.camera_images import CameraImages
 from pbpf_drake.diagnostic_plot import PlotDiagnostics
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.error_plot import PlotErrors
@@ -34,6 +34,7 @@ from pbpf_drake.scene_models import data_folder
 from pbpf_drake.track_diagnostics import MakeDiagnostics
 from pbpf_drake.track_record import TrackRecord
 from pbpf_drake.tracking import DefaultConfig, NumSteps, Track
+from pbpf_drake.write_track import WriteTrack
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:
@@ -42,7 +43,7 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
         prog="pbpf-track",
         description="Tracks the objects of a recorded manipulation and "
         "writes report.json, errors.csv, errors.png, diagnostics.png, "
-        "estimates.mcap and replay.html.",
+        "estimates.mcap, overlay.mp4 and replay.html.",
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
     add = parser.add_argument
@@ -85,7 +86,7 @@ def _track(
     log: Log,
     method: str,
     config: ParticleFilterConfig,
-    **outputs: Any,
+    meshcat: Meshcat | None = None,
 ) -> TrackRecord:
     with tqdm(total=NumSteps(log, config), desc=method, unit="update") as bar:
         return Track(
@@ -93,9 +94,27 @@ def _track(
             log=log,
             method=method,
             config=config,
+            meshcat=meshcat,
             on_step=bar.update,
-            **outputs,
         )
+
+
+def _write_track(
+    args: argparse.Namespace, scene: Scene, log: Log, record: TrackRecord
+) -> tuple[str, ...]:
+    """Writes what viewers open; returns warnings on the camera's images."""
+    images = CameraImages(
+        filename=args.log, camera=scene.camera, start_time=log.start_time
+    )
+    WriteTrack(
+        scene=scene,
+        log=log,
+        record=record,
+        images=images.At(record.times),
+        mcap_filename=args.out / "estimates.mcap",
+        video_filename=args.out / "overlay.mp4",
+    )
+    return images.Warnings()
 
 
 def run(args: argparse.Namespace) -> None:
@@ -123,14 +142,11 @@ def run(args: argparse.Namespace) -> None:
     args.out.mkdir(parents=True, exist_ok=True)
     meshcat = Meshcat(MeshcatParams(show_stats_plot=False))
     meshcat.StartRecording(set_visualizations_while_recording=False)
-    outputs = {
-        "estimates_filename": args.out / "estimates.mcap",
-        "meshcat": meshcat,
-    }
-    records = [_track(scene, log, args.method, config, **outputs)]
+    records = [_track(scene, log, args.method, config, meshcat=meshcat)]
     if args.method != "dope":
         records.append(_track(scene, log, "dope", config))
-    report = MakeReport(records, log.ground_truth, log.warnings)
+    warnings = log.warnings + _write_track(args, scene, log, records[0])
+    report = MakeReport(records, log.ground_truth, warnings)
     WriteReport(report, args.out / "report.json")
     WriteErrors(records, log.ground_truth, args.out / "errors.csv")
     PlotErrors(records, log.ground_truth, args.out / "errors.png")
@@ -141,7 +157,7 @@ def run(args: argparse.Namespace) -> None:
         records[0], diagnostics, log.ground_truth, args.out / "diagnostics.png"
     )
     SaveReplay(meshcat, args.out / "replay.html")
-    for warning in log.warnings:
+    for warning in warnings:
         print(f"Warning: {warning}")
     print(FormatTable(report))
     print(f"Written to {args.out.resolve()}")

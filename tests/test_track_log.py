@@ -18,6 +18,7 @@ OUTPUTS = {
     "errors.png",
     "diagnostics.png",
     "estimates.mcap",
+    "overlay.mp4",
     "replay.html",
 }
 DURATION = 3.0
@@ -51,7 +52,7 @@ def tracked(request, push, tmp_path_factory):
     return request.param, out
 
 
-def test_all_six_files_are_written_and_nothing_else(tracked):
+def test_all_seven_files_are_written_and_nothing_else(tracked):
     _, out = tracked
     assert {path.name for path in out.iterdir()} == OUTPUTS
     assert (out / "errors.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"

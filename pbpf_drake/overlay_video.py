@@ -1,0 +1,51 @@
+"""Writes images as an MP4 file."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+# MPEG-4 can't count finer, or longer, than this (in 1/s).
+_RATES = (0.01, 500.0)
+
+
+class OverlayVideo:
+    """An MP4 file that is being written; a context manager."""
+
+    def __init__(
+        self, filename: str | Path, *, width: int, height: int, period: float
+    ):
+        """Opens the file.
+
+        Args:
+            filename: the file to write; its folder must exist.
+            width, height: of all images (in pixels).
+            period: between two images (in seconds).
+
+        Raises:
+            ValueError: OpenCV can't write such a file.
+        """
+        rate = round(float(np.clip(1 / period, *_RATES)), 2)
+        self._writer = cv2.VideoWriter(
+            str(filename),
+            cv2.VideoWriter.fourcc(*"mp4v"),
+            rate,
+            (width, height),
+        )
+        if not self._writer.isOpened():
+            raise ValueError(
+                f"{filename} can't be written as MP4 with images of "
+                f"{width} x {height} pixels"
+            )
+
+    def Write(self, image: np.ndarray) -> None:
+        """Adds an image (height, width, 3): blue, green, red."""
+        self._writer.write(image)
+
+    def __enter__(self) -> "OverlayVideo":
+        """Returns the video."""
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Completes the file."""
+        self._writer.release()
