@@ -36,6 +36,15 @@ class _Taken:
     message: Any
 
 
+def image_topics(topic: str) -> tuple[str, str]:
+    """Returns the topics that images are looked for on, by their rank.
+
+    Args:
+        topic: what uncompressed images are on, or any.
+    """
+    return topic, f"{topic}/compressed"
+
+
 class CameraImages:
     """The images of a log's camera at given times."""
 
@@ -53,13 +62,13 @@ class CameraImages:
             filename: of the log.
             camera: that has taken the images.
             start_time: of the log (in nanoseconds).
-            topic: of sensor_msgs/Image or sensor_msgs/CompressedImage. With
-                "/compressed" behind it, it is looked for as well.
+            topic: of sensor_msgs/Image or sensor_msgs/CompressedImage; see
+                image_topics.
         """
         self._path = Path(filename).expanduser()
         self._camera = camera
         self._start_time = start_time
-        self._topics = (topic, f"{topic}/compressed")
+        self._topics = image_topics(topic)
         self._decoder = MessageDecoder()
         self._notes = LogNotes()
 
@@ -76,11 +85,15 @@ class CameraImages:
         stream = OpenLogStream(self._path, self._topics)
         taken = self._Decode(stream.Messages())
         waiting, last = next(taken, None), None
+        image = None
         for time in times:
+            newest = last
             while waiting is not None and waiting.time <= time:
-                last, waiting = waiting, next(taken, None)
+                newest, waiting = waiting, next(taken, None)
+            if newest is not None and newest is not last:
+                last, image = newest, self._Image(newest)
             fresh = last is not None and time - last.time <= _MAX_AGE
-            yield self._Image(last) if last is not None and fresh else None
+            yield image if fresh else None
 
     def Warnings(self) -> tuple[str, ...]:
         """Returns a sentence for everything that was left out so far."""

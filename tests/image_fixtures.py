@@ -1,19 +1,14 @@
 """Logs of the planar push with images of a camera."""
 
+from collections.abc import Callable
 from pathlib import Path
 
-from bag_fixtures import our_entries
+from bag_fixtures import Entry, our_entries, write_mcap
 import cv2
-from mcap_ros2.writer import Writer
 import numpy as np
 
-from pbpf_drake.image_messages import (
-    COMPRESSED_IMAGE,
-    IMAGE,
-    image_definition,
-)
 from pbpf_drake.log import Log
-from pbpf_drake.ros2_messages import header_message, message_definition
+from pbpf_drake.ros2_messages import header_message
 
 TOPIC = "/camera/color/image_raw"
 # Time (in seconds), topic, type, message without its header.
@@ -44,22 +39,23 @@ def flat_image(shade: int, size: tuple[int, int] = (640, 480)) -> np.ndarray:
     return np.full((size[1], size[0], 3), shade, np.uint8)
 
 
-def write_log(path: Path, log: Log, images: list[TimedImage]) -> Path:
-    """Writes a log with images, which are received 20 ms after their stamp."""
-    entries = our_entries(log)
+def image_entries(log: Log, images: list[TimedImage]) -> list[Entry]:
+    """Returns images as messages, received 20 ms after their stamp."""
+    entries = []
     for time, topic, kind, message in images:
         stamp = log.start_time + round(1e9 * time)
         header = header_message(stamp=stamp, frame_id="camera")
         message = {"header": header, **message}
         entries.append((stamp + 20_000_000, topic, kind, message))
-    with Writer(str(path)) as writer:
-        schemas = {}
-        for time, topic, kind, message in sorted(entries, key=lambda e: e[0]):
-            if kind not in schemas:
-                images = (IMAGE, COMPRESSED_IMAGE)
-                define = (
-                    image_definition if kind in images else message_definition
-                )
-                schemas[kind] = writer.register_msgdef(kind, define(kind))
-            writer.write_message(topic, schemas[kind], message, log_time=time)
-    return path
+    return entries
+
+
+def write_log(
+    path: Path,
+    log: Log,
+    images: list[TimedImage],
+    write: Callable[[Path, list[Entry]], Path] = write_mcap,
+) -> Path:
+    """Writes a log with images."""
+    entries = our_entries(log) + image_entries(log, images)
+    return write(path, sorted(entries, key=lambda entry: entry[0]))

@@ -1,5 +1,7 @@
 from dataclasses import replace
+import sqlite3
 
+from bag_fixtures import write_mcap, write_ros1, write_ros2
 from filter_fixtures import make_push_log, planar_scene
 from image_fixtures import TOPIC, flat_image, png_image, raw_image, write_log
 import numpy as np
@@ -28,9 +30,10 @@ def _shades(images):
     return [None if image is None else int(image[0, 0, 0]) for image in images]
 
 
-def test_the_last_image_until_a_time_is_found(tmp_path):
+@pytest.mark.parametrize("write", [write_mcap, write_ros1, write_ros2])
+def test_the_last_image_until_a_time_is_found(tmp_path, write):
     images = [_flat(0.1 * i, 10 * i) for i in range(1, 6)]
-    path = write_log(tmp_path / "log.mcap", LOG, images)
+    path = write_log(tmp_path / "log", LOG, images, write)
     times = [0.05, 0.1, 0.25, 0.29, 0.45, 1.4, 1.6]
     found, warnings = _read(path, times)
     # What is more than a second old isn't shown.
@@ -42,6 +45,16 @@ def test_the_last_image_until_a_time_is_found(tmp_path):
 def test_a_log_without_images_has_none(tmp_path):
     path = write_log(tmp_path / "log.mcap", LOG, [])
     assert _read(path, [0.1, 0.2]) == ([None, None], ())
+
+
+def test_a_bag_without_definitions_can_be_read(tmp_path):
+    images = [_flat(0.1, 10)]
+    folder = write_log(tmp_path / "log", LOG, images, write_ros2)
+    (bag,) = folder.glob("*.db3")
+    with sqlite3.connect(bag) as database:
+        database.execute("DROP TABLE message_definitions")
+    database.close()
+    assert _shades(_read(folder, [0.2])[0]) == [10]
 
 
 def test_compressed_images_are_found_beside_the_topic(tmp_path):

@@ -5,11 +5,13 @@ from pathlib import Path
 from authors_fixtures import transform
 from bag_fixtures import our_entries, write_mcap, write_ros1, write_ros2
 from filter_fixtures import SCENES
+from image_fixtures import TOPIC, flat_image, png_image, write_log
 from log_fixtures import JOINT_NAMES, make_small_log, make_small_scene
 from pydrake.math import RigidTransform
 import pytest
 
 from pbpf_drake.diagrams.track_log import main
+from pbpf_drake.image_messages import COMPRESSED_IMAGE
 from pbpf_drake.log_error import LogError
 from pbpf_drake.log_inspection import InspectLog
 from pbpf_drake.ros2_messages import TF_MESSAGE
@@ -100,6 +102,19 @@ def test_it_says_what_is_damaged(tmp_path):
     path.write_bytes(path.read_bytes()[:60])
     text = _inspect(path)
     assert "It can't be tracked." in text and "the file is cut off" in text
+
+
+@pytest.mark.parametrize(
+    ("topic", "line"),
+    [
+        (f"{TOPIC}/compressed", f"images: {TOPIC}/compressed\n"),
+        ("/other/image", f"images: {TOPIC} is MISSING; there is /other/image"),
+    ],
+)
+def test_it_says_which_images_are_drawn_on(tmp_path, topic, line):
+    image = png_image(flat_image(0, size=(8, 8)))
+    images = [(0.1, topic, COMPRESSED_IMAGE, image)]
+    assert line in _inspect(write_log(tmp_path / "log", LOG, images))
 
 
 def test_what_is_no_log_is_refused(tmp_path):

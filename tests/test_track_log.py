@@ -3,11 +3,14 @@ from dataclasses import replace
 import json
 
 from filter_fixtures import PERIOD, SCENES, make_push_log, planar_scene
+from image_fixtures import TOPIC, flat_image, raw_image
+from image_fixtures import write_log as write_image_log
 from mcap.reader import make_reader
 import numpy as np
 import pytest
 
 from pbpf_drake.diagrams.track_log import main
+from pbpf_drake.image_messages import IMAGE
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.particle_filter_config import METHODS
 
@@ -173,6 +176,28 @@ def test_a_log_without_ground_truth_is_tracked_without_errors(tmp_path):
     (run,) = report["runs"]
     assert run["objects"]["block"]["position_error_m"]["mean"] is None
     assert run["objects"]["block"]["detected_share"] > 0
+
+
+@pytest.mark.parametrize(
+    ("size", "expected"), [((640, 480), STEPS), ((320, 240), 0)]
+)
+def test_images_of_the_camera_are_drawn_on(tmp_path, size, expected):
+    image = raw_image(flat_image(128, size))
+    images = [(0.05 + 0.5 * i, TOPIC, IMAGE, image) for i in range(6)]
+    log = make_push_log(duration=DURATION)
+    path = write_image_log(tmp_path / "log.mcap", log, images)
+    out = tmp_path / "out"
+    assert _run(path, out, "--method", "dope") == 0
+    with (out / "estimates.mcap").open("rb") as file:
+        messages = make_reader(file).iter_messages()
+        topics = [channel.topic for _, channel, _ in messages]
+    assert topics.count("/pbpf/overlay/compressed") == expected
+    report = json.loads((out / "report.json").read_text())
+    if expected:
+        assert report["warnings"] == []
+    else:
+        (warning,) = report["warnings"]
+        assert f"{TOPIC}: left out 6 images of 320 x 240" in warning
 
 
 def test_a_log_that_is_cut_off_is_used_as_far_as_it_goes(
