@@ -104,7 +104,10 @@ def _write_track(
 ) -> tuple[str, ...]:
     """Writes what viewers open; returns warnings on the camera's images."""
     images = CameraImages(
-        filename=args.log, camera=scene.camera, start_time=log.start_time
+        filename=args.log,
+        topic=scene.topics.images,
+        camera=scene.camera,
+        start_time=log.start_time,
     )
     WriteTrack(
         scene=scene,

@@ -21,7 +21,6 @@ from pbpf_drake.message_decoder import MessageDecoder
 from pbpf_drake.ros2_messages import short_type_name, stamp_of
 from pbpf_drake.scene import CameraConfig
 
-IMAGE_TOPIC = "/camera/color/image_raw"
 # An image that is older isn't what the camera sees now (in seconds).
 _MAX_AGE = 1.0
 
@@ -54,7 +53,7 @@ class CameraImages:
         filename: str | Path,
         camera: CameraConfig,
         start_time: int,
-        topic: str = IMAGE_TOPIC,
+        topic: str,
     ):
         """Makes the reader; nothing is read yet.
 

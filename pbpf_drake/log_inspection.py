@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from pbpf_drake.camera_images import IMAGE_TOPIC, image_topics
+from pbpf_drake.camera_images import image_topics
 from pbpf_drake.image_messages import COMPRESSED_IMAGE, IMAGE
 from pbpf_drake.log import Log
 from pbpf_drake.log_error import LogError
@@ -53,7 +53,7 @@ def InspectLog(
         *_poses(survey, scene, "detections", DETECTION_TYPES),
         *_poses(survey, scene, "ground_truth", TRUTH_TYPES),
         *_camera(log),
-        *_images(survey),
+        *_images(survey, scene.topics.images),
         "",
         *_verdict(survey, log),
     ]
@@ -183,15 +183,13 @@ def _camera(log: Log | LogError) -> list[str]:
     return [f"  camera: where {where} says"]
 
 
-def _images(survey: LogSurvey) -> list[str]:
+def _images(survey: LogSurvey, topic: str) -> list[str]:
     """Returns a line if there are images, on whatever topic."""
     there = _named(survey, (IMAGE, COMPRESSED_IMAGE))
-    used = [t for t in image_topics(IMAGE_TOPIC) if t in there]
+    used = [t for t in image_topics(topic) if t in there]
     if not there:
         return []
-    return [
-        _line("images", used[0] if used else IMAGE_TOPIC, bool(used), there)
-    ]
+    return [_line("images", used[0] if used else topic, bool(used), there)]
 
 
 def _verdict(survey: LogSurvey, log: Log | LogError) -> list[str]:

@@ -42,6 +42,9 @@ class LogTopics:
     # A topic of the same types with the pose of the reference frame as the
     # ground truth's own system sees it. Empty: tf connects the two.
     ground_truth_base: str = ""
+    # A topic of sensor_msgs/Image or CompressedImage. With "/compressed" behind
+    # it, it is looked for as well. Nothing but pictures needs it.
+    images: str = "/camera/color/image_raw"
     # The log's frame whose pose in the world is X_WR. Empty: no frames of the
     # log are looked at. Then detections are in the scene's camera and ground
     # truth is in the world.
@@ -64,13 +67,15 @@ class LogTopics:
             raise ValueError(
                 f"preset is {self.preset!r}; expected one of {list(PRESETS)}"
             )
-        for name in ("joint_states", "detections", "ground_truth"):
+        for name in ("joint_states", "detections", "ground_truth", "images"):
             _check_source(name, getattr(self, name))
-            if is_frame(getattr(self, name)) and name == "joint_states":
-                raise ValueError(
-                    f"joint_states is {self.joint_states!r}; expected a topic;"
-                    " joints that are in tf are named by tf_joints"
-                )
+        if is_frame(self.joint_states):
+            raise ValueError(
+                f"joint_states is {self.joint_states!r}; expected a topic;"
+                " joints that are in tf are named by tf_joints"
+            )
+        if is_frame(self.images):
+            raise ValueError(f"images is {self.images!r}; expected a topic")
         if not self.reference_frame:
             for name in ("detections", "ground_truth", "tf_joints"):
                 if is_frame(getattr(self, name)) or name == "tf_joints":

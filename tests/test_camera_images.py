@@ -20,6 +20,7 @@ def _flat(time, shade, topic=TOPIC):
 def _read(path, times):
     dut = CameraImages(
         filename=path,
+        topic=TOPIC,
         camera=planar_scene().camera,
         start_time=LOG.start_time,
     )
@@ -114,7 +115,10 @@ def test_an_image_without_a_stamp_was_taken_when_it_was_received(tmp_path):
     images = [(-0.001, TOPIC, IMAGE, raw_image(flat_image(50)))]
     path = write_log(tmp_path / "log.mcap", log, images)
     dut = CameraImages(
-        filename=path, camera=planar_scene().camera, start_time=1_000_000
+        filename=path,
+        topic=TOPIC,
+        camera=planar_scene().camera,
+        start_time=1_000_000,
     )
     assert _shades(dut.At([0.018, 0.02])) == [None, 50]
 

@@ -117,6 +117,15 @@ def test_it_says_which_images_are_drawn_on(tmp_path, topic, line):
     assert line in _inspect(write_log(tmp_path / "log", LOG, images))
 
 
+def test_the_scene_names_the_topic_of_images(tmp_path):
+    image = png_image(flat_image(0, size=(8, 8)))
+    images = [(0.1, "/other/image", COMPRESSED_IMAGE, image)]
+    scene = make_small_scene()
+    scene.topics.images = "/other/image"
+    text = _inspect(write_log(tmp_path / "log", LOG, images), scene)
+    assert "images: /other/image\n" in text
+
+
 def test_what_is_no_log_is_refused(tmp_path):
     path = tmp_path / "log"
     path.write_bytes(b"no log")

@@ -40,6 +40,8 @@ def test_without_a_preset_topics_are_ours(tmp_path):
         ("{preset: mine}", r"topics\.preset is 'mine'; expected one of"),
         ("{detections: ''}", r"topics\.detections is ''; expected a whole"),
         ("{ground_truth: /truth/}", r"topics\.ground_truth is '/truth/'"),
+        ("{images: ''}", r"topics\.images is ''; expected a whole"),
+        ("{images: 'tf:eye'}", r"images is 'tf:eye'; expected a topic"),
         ("{joint_states: 'tf:arm'}", r"joint_states is 'tf:arm'; expected a"),
         ("{detections: 'tf:box'}", r"detections .* reference_frame is empty"),
         ("{tf_joints: {x: tip.x}}", r"tf_joints .* reference_frame is empty"),
