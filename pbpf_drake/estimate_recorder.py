@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from mcap_ros2.writer import Writer
 import numpy as np
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
@@ -14,20 +13,11 @@ from pydrake.systems.framework import (
     System,
 )
 
-from pbpf_drake.mcap_log_writer import CHUNK_SIZE, WORLD_FRAME
-from pbpf_drake.ros2_messages import (
-    POSE_ARRAY,
-    POSE_WITH_COVARIANCE_STAMPED,
-    header_message,
-    message_definition,
-    pose_message,
-    to_nanoseconds,
-)
+from pbpf_drake.pose_conversion import pose_array
+from pbpf_drake.track_mcap import TrackMcap
 
 _OPTIONAL_PORTS = ("covariances", "particles")
 _INPUT_PORTS = ("estimated_poses", *_OPTIONAL_PORTS, "update_time")
-# ROS has the position first, then the rotation.
-_ROS_ORDER = [3, 4, 5, 0, 1, 2]
 
 
 class EstimateRecorder(LeafSystem):
@@ -88,20 +78,15 @@ class EstimateRecorder(LeafSystem):
         super().__init__()
         self._names = tuple(object_names)
         self._particles_shape = (num_particles, len(self._names), 7)
-        self._start_time = start_time
         self._last_update_time = -1.0
         self._DeclareInputPorts()
         self.DeclarePeriodicPublishEvent(
             period_sec=period, offset_sec=offset, publish=self._Publish
         )
         self.DeclareForcedPublishEvent(publish=self._Publish)
-        self._writer: Writer | None = Writer(
-            str(filename), chunk_size=CHUNK_SIZE
+        self._file: TrackMcap | None = TrackMcap(
+            filename=filename, start_time=start_time
         )
-        self._schemas = {
-            name: self._writer.register_msgdef(name, message_definition(name))
-            for name in (POSE_WITH_COVARIANCE_STAMPED, POSE_ARRAY)
-        }
 
     def _DeclareInputPorts(self) -> None:
         count = len(self._names)
@@ -117,9 +102,9 @@ class EstimateRecorder(LeafSystem):
 
     def Close(self) -> None:
         """Completes the file. What is published later is an error."""
-        if self._writer is not None:
-            self._writer.finish()
-        self._writer = None
+        if self._file is not None:
+            self._file.Close()
+        self._file = None
 
     def __enter__(self) -> "EstimateRecorder":
         """Returns the recorder."""
@@ -140,19 +125,16 @@ class EstimateRecorder(LeafSystem):
                 f"estimated_poses has {len(poses)} poses; expected one for "
                 f"each of {list(self._names)}"
             )
+        if self._file is None:
+            raise RuntimeError("EstimateRecorder is closed; it can't publish")
         covariances = self._Covariances(context)
+        particles = self._Particles(context)
         for k, name in enumerate(self._names):
-            pose = {
-                "pose": _pose_message(poses[k]),
-                "covariance": _ros_covariance(covariances[k]),
-            }
-            self._Write(
-                f"/pbpf/estimate/{name}",
-                POSE_WITH_COVARIANCE_STAMPED,
-                {"pose": pose},
-                update_time,
+            self._file.WriteEstimate(
+                update_time, name, pose_array(poses[k]), covariances[k]
             )
-        self._WriteParticles(context, update_time)
+            if particles is not None:
+                self._file.WriteParticles(update_time, name, particles[:, k])
 
     def _Covariances(self, context: Context) -> np.ndarray:
         port = self.GetInputPort("covariances")
@@ -161,38 +143,11 @@ class EstimateRecorder(LeafSystem):
             return np.zeros(shape)
         return port.Eval(context).reshape(shape)
 
-    def _WriteParticles(self, context: Context, time: float) -> None:
+    def _Particles(self, context: Context) -> np.ndarray | None:
         port = self.GetInputPort("particles")
         if not port.HasValue(context):
-            return
-        particles = port.Eval(context).reshape(self._particles_shape)
-        for k, name in enumerate(self._names):
-            poses = [pose_message(q=x[:4], p=x[4:]) for x in particles[:, k]]
-            self._Write(
-                f"/pbpf/particles/{name}", POSE_ARRAY, {"poses": poses}, time
-            )
-
-    def _Write(self, topic: str, name: str, message: dict, time: float) -> None:
-        if self._writer is None:
-            raise RuntimeError("EstimateRecorder is closed; it can't publish")
-        stamp = to_nanoseconds(start_time=self._start_time, time=time)
-        header = header_message(stamp=stamp, frame_id=WORLD_FRAME)
-        self._writer.write_message(
-            topic=topic,
-            schema=self._schemas[name],
-            message={"header": header, **message},
-            log_time=stamp,
-        )
-
-
-def _pose_message(X_WO: RigidTransform) -> dict:
-    return pose_message(
-        q=X_WO.rotation().ToQuaternion().wxyz(), p=X_WO.translation()
-    )
-
-
-def _ros_covariance(covariance: np.ndarray) -> list[float]:
-    return covariance[np.ix_(_ROS_ORDER, _ROS_ORDER)].ravel().tolist()
+            return None
+        return port.Eval(context).reshape(self._particles_shape)
 
 
 def AddEstimateRecorder(

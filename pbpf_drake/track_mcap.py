@@ -6,6 +6,7 @@ All is in one file of ROS 2 messages that Foxglove, Rerun and `ros2 bag` open.
 from pathlib import Path
 from typing import Any
 
+from mcap.records import Schema
 from mcap_ros2.writer import Writer
 import numpy as np
 
@@ -48,26 +49,17 @@ class TrackMcap:
         """
         self._start_time = start_time
         self._writer = Writer(str(filename), chunk_size=CHUNK_SIZE)
-        definitions = {
-            name: message_definition(name)
-            for name in (
-                JOINT_STATE,
-                POSE_STAMPED,
-                POSE_WITH_COVARIANCE_STAMPED,
-                POSE_ARRAY,
-            )
-        }
-        definitions[COMPRESSED_IMAGE] = image_definition(COMPRESSED_IMAGE)
-        self._schemas = {
-            name: self._writer.register_msgdef(name, text)
-            for name, text in definitions.items()
-        }
+        self._schemas: dict[str, Schema] = {}
 
     def __enter__(self) -> "TrackMcap":
         """Returns the file."""
         return self
 
     def __exit__(self, *exception: object) -> None:
+        """Completes the file."""
+        self.Close()
+
+    def Close(self) -> None:
         """Completes the file."""
         self._writer.finish()
 
@@ -184,7 +176,19 @@ class TrackMcap:
         header = header_message(stamp=stamp, frame_id=frame)
         self._writer.write_message(
             topic=topic,
-            schema=self._schemas[kind],
+            schema=self._Schema(kind),
             message={"header": header, **message},
             log_time=nanoseconds(time),
         )
+
+    def _Schema(self, kind: str) -> Schema:
+        if kind not in self._schemas:
+            define = (
+                image_definition
+                if kind == COMPRESSED_IMAGE
+                else message_definition
+            )
+            self._schemas[kind] = self._writer.register_msgdef(
+                kind, define(kind)
+            )
+        return self._schemas[kind]

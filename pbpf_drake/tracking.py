@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
-from pathlib import Path
 
 import numpy as np
 from pydrake.common.schema import Transform
@@ -12,7 +11,6 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 
 from pbpf_drake.add_particle_filter import AddParticleFilter, ConfigForMethod
 from pbpf_drake.dope_log_source import DopeLogSource
-from pbpf_drake.estimate_recorder import AddEstimateRecorder, EstimateRecorder
 from pbpf_drake.ground_truth_log_source import GroundTruthLogSource
 from pbpf_drake.joint_log_source import JointLogSource
 from pbpf_drake.log import Log
@@ -32,13 +30,11 @@ class TrackingDiagram:
     Attributes:
         diagram: the whole.
         estimator: its particle filter or single-snapshot estimator.
-        recorder: writes the estimates to a file, if that was asked for.
         update_seconds: grows by each update's wall time.
     """
 
     diagram: Diagram
     estimator: System
-    recorder: EstimateRecorder | None = None
     update_seconds: list[float] = field(default_factory=list)
 
 
@@ -48,7 +44,6 @@ def MakeTrackingDiagram(
     log: Log,
     method: str,
     config: ParticleFilterConfig,
-    estimates_filename: str | Path | None = None,
     meshcat: Meshcat | None = None,
 ) -> TrackingDiagram:
     """Connects the sources of a log to an estimator.
@@ -59,7 +54,6 @@ def MakeTrackingDiagram(
         method: "pbpf", "pbpf-v", "cvpf" or "dope".
         config: of the particle filter, as from ConfigForMethod; of "dope"
             only the period counts.
-        estimates_filename: MCAP file to write the estimates to, if any.
         meshcat: where to draw, if anywhere.
 
     Raises:
@@ -86,21 +80,9 @@ def MakeTrackingDiagram(
         dope.GetOutputPort("dope_measurement"),
         estimator.GetInputPort("dope_measurement"),
     )
-    recorder = None
-    if estimates_filename is not None:
-        recorder = AddEstimateRecorder(
-            builder=builder,
-            filter=estimator,
-            filename=estimates_filename,
-            object_names=scene.object_names(),
-            num_particles=_num_particles(estimator, config),
-            period=config.period,
-            offset=config.period / 4,
-            start_time=log.start_time,
-        )
     if meshcat is not None:
         _AddVisualizer(builder, scene, log, estimator, joints, dope, meshcat)
-    return TrackingDiagram(builder.Build(), estimator, recorder, seconds)
+    return TrackingDiagram(builder.Build(), estimator, seconds)
 
 
 def Track(
@@ -109,7 +91,6 @@ def Track(
     log: Log,
     method: str,
     config: ParticleFilterConfig | None = None,
-    estimates_filename: str | Path | None = None,
     meshcat: Meshcat | None = None,
     on_step: Callable[[], None] | None = None,
 ) -> TrackRecord:
@@ -119,7 +100,7 @@ def Track(
         scene, log, method: see MakeTrackingDiagram.
         config: of the particle filter; by default the scene's, adapted to
             the method.
-        estimates_filename, meshcat: see MakeTrackingDiagram.
+        meshcat: see MakeTrackingDiagram.
         on_step: called after each of ``NumSteps``.
 
     Raises:
@@ -138,23 +119,18 @@ def Track(
         log=log,
         method=method,
         config=config,
-        estimates_filename=estimates_filename,
         meshcat=meshcat,
     )
     simulator = Simulator(tracking.diagram)
     context = tracking.estimator.GetMyContextFromRoot(simulator.get_context())
     rows = []
-    try:
-        simulator.Initialize()
-        for step in range(1, num_steps + 1):
-            # An update at t is done when the simulator goes on from t.
-            simulator.AdvanceTo((step + 0.5) * config.period)
-            rows.append(_ReadPorts(tracking.estimator, context))
-            if on_step:
-                on_step()
-    finally:
-        if tracking.recorder:
-            tracking.recorder.Close()
+    simulator.Initialize()
+    for step in range(1, num_steps + 1):
+        # An update at t is done when the simulator goes on from t.
+        simulator.AdvanceTo((step + 0.5) * config.period)
+        rows.append(_ReadPorts(tracking.estimator, context))
+        if on_step:
+            on_step()
     return _MakeRecord(scene, method, config, rows, tracking.update_seconds)
 
 
