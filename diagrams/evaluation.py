@@ -136,13 +136,15 @@ def evaluation_config(
 ) -> ParticleFilterConfig:
     """Returns the configuration of a method's filter for an evaluation.
 
-    No two evaluations of a scene have the same seed, but for the methods.
+    No two evaluations of a scene have the same seed, but for the methods. None
+    depends on how fast the machine is.
     """
     config = DefaultConfig(scene, evaluation.method)
     if evaluation.particles is not None:
         config = replace(config, num_particles=evaluation.particles)
     seed = 1000 * evaluation.scene_run.run + evaluation.repeat
-    return replace(config, seed=seed, num_threads=1)
+    count = replace(config.adaptive_count, to_period=False)
+    return replace(config, seed=seed, num_threads=1, adaptive_count=count)
 
 
 def record(scene_run: SceneRun, code: str) -> bytes:

@@ -22,6 +22,7 @@ from pbpf_drake.add_particle_filter import AddParticleFilter, MakeParticleFilter
 from pbpf_drake.dope_log_source import DopeLogSource
 from pbpf_drake.dope_measurement import DopeMeasurement
 from pbpf_drake.joint_log_source import JointLogSource
+from pbpf_drake.late_updates import LateUpdates
 from pbpf_drake.log import Log
 from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.particle_filter import PhysicsBasedParticleFilter
@@ -95,6 +96,15 @@ class Reading:
 class LiveFilter:
     """A filter outside of any simulation, updated by hand.
 
+    An update that takes longer than the filter's period is late: it is
+    counted, and told in Python's log. The loop then waits for NextTime, which
+    leaves out the periods that are over. Nothing that the robot has done is
+    lost: an update predicts from the reading of the last one to its own. The
+    process noise is that of one update, though.
+
+    Attributes:
+        late_updates: counts them.
+
     Args:
         scene: the robot, the objects and the camera.
         start: what is read before the first update.
@@ -111,7 +121,11 @@ class LiveFilter:
         config: ParticleFilterConfig | None = None,
     ) -> None:
         config = replace(config or scene.filter, control_samples=1)
-        self._filter = MakeParticleFilter(scene=scene, config=config)
+        self.late_updates = LateUpdates(config.period)
+        self._filter = MakeParticleFilter(
+            scene=scene, config=config, on_update=self.late_updates.Note
+        )
+        self._period, self._start = config.period, start.time
         self._context = self._filter.CreateDefaultContext()
         self._Read(start)
         self._filter.ExecuteInitializationEvents(self._context)
@@ -120,13 +134,23 @@ class LiveFilter:
         """Returns the poses X_WO by all that was read up to now.
 
         Args:
-            reading: later than the last one, by about the filter's period.
+            reading: later than the last one, by about the filter's period;
+                by more where updates were left out.
         """
         self._Read(reading)
         values = self._filter.EvalUniquePeriodicDiscreteUpdate(self._context)
         self._context.SetDiscreteState(values)
         port = self._filter.GetOutputPort("estimated_poses")
         return port.Eval(self._context)
+
+    def NextTime(self, now: float) -> float:
+        """Returns when the next update is due: after the next whole period.
+
+        Args:
+            now: when the last update is done (in seconds).
+        """
+        periods = np.floor((now - self._start) / self._period + 1e-9)
+        return float(self._start + self._period * (periods + 1))
 
     def _Read(self, reading: Reading) -> None:
         context, tracker = self._context, self._filter
@@ -180,9 +204,12 @@ def TrackByHand(
     driver = StationDriver(MakeStation(scene, log))
     live = LiveFilter(scene=scene, start=driver.Read(0.0))
     poses: list[RigidTransform] = []
-    for step in range(1, int(duration / scene.filter.period) + 1):
-        # A live loop would sleep until then, and read its drivers.
-        poses = live.Update(driver.Read(step * scene.filter.period))
+    now = live.NextTime(0.0)
+    while now <= duration:
+        # A live loop would sleep until then, read its drivers, and after the
+        # update its clock.
+        poses = live.Update(driver.Read(now))
+        now = live.NextTime(now)
     return poses
 
 

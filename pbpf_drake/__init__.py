@@ -38,6 +38,7 @@ from pbpf_drake.dope_measurement import Detection, DopeMeasurement
 from pbpf_drake.estimate_recorder import AddEstimateRecorder, EstimateRecorder
 from pbpf_drake.ground_truth_log_source import GroundTruthLogSource
 from pbpf_drake.joint_log_source import JointLogSource
+from pbpf_drake.late_updates import LateUpdates
 from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
 from pbpf_drake.log_error import LogError
 from pbpf_drake.log_inspection import InspectLog
@@ -52,6 +53,7 @@ from pbpf_drake.motion_model import (
 )
 from pbpf_drake.particle_filter import PhysicsBasedParticleFilter
 from pbpf_drake.particle_filter_config import (
+    AdaptiveCountConfig,
     ParticleFilterConfig,
     PhysicalParametersConfig,
     PoseStddev,
@@ -96,6 +98,7 @@ from pbpf_drake.truth_simulation import Recording, RecordRun
 from pbpf_drake.visibility import VisibilityModel
 
 __all__ = [
+    "AdaptiveCountConfig",
     "AddEstimateRecorder",
     "AddParticleFilter",
     "AddParticleVisualizer",
@@ -116,6 +119,7 @@ __all__ = [
     "InspectLog",
     "JointLogSource",
     "JointRecord",
+    "LateUpdates",
     "LoadScene",
     "Log",
     "LogError",

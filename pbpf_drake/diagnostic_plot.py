@@ -2,10 +2,11 @@
 
 A column per object. From above: what the position is off, and the spread of the
 particles, which is what the filter expects that to be; the effective sample
-size; how visible the estimate is; and which friction and mass the surviving
-particles have, averaged over nine updates. Dashed and dotted lines are the
-median and the tenths of all draws of θ: where the survivors' are elsewhere, the
-detections say something of θ. Grey spans have no detection.
+size, and in grey the particles that were used, where those aren't all; how
+visible the estimate is; and which friction and mass the surviving particles
+have, averaged over nine updates. Dashed and dotted lines are the median and the
+tenths of all draws of θ: where the survivors' are elsewhere, the detections say
+something of θ. Grey spans have no detection.
 """
 
 from pathlib import Path
@@ -136,6 +137,9 @@ def _draw_sample_size(ax: Axes, record: TrackRecord) -> None:
     color, _ = style_of(record.method)
     share = 100 * record.effective_sample_size / count
     ax.plot(record.times, share, color=color, lw=1.2)
+    used = 100 * record.particles_used / count
+    if np.any(used < 100):
+        ax.plot(record.times, used, color=_PRIOR_COLOR, lw=1.2)
     ax.set_ylim(0, 105)
     ax.text(
         0.99, 0.05, f"M = {count}", transform=ax.transAxes, ha="right"

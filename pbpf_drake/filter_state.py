@@ -26,6 +26,8 @@ class FilterState:
         poses: (M, K, 7) particles: qw qx qy qz, x y z (in meters), X_WO.
         velocities: (M, K, 6) angular (rad/s), then translational (m/s).
         weights: (M,) importance factors, normalized.
+        num_used: (1,) n, how many particles the last update had: the first n.
+            The others repeat them, with a weight of 0.
         estimates: (2, K, 7) the mean of the last update, and of the one
             before it.
         num_estimates: (K,) how many of the two there are; an object without
@@ -40,6 +42,7 @@ class FilterState:
     poses: np.ndarray
     velocities: np.ndarray
     weights: np.ndarray
+    num_used: np.ndarray
     estimates: np.ndarray
     num_estimates: np.ndarray
     detection_times: np.ndarray
@@ -62,6 +65,7 @@ def MakeInitialState(
         poses=np.tile(nominal_poses, (num_particles, 1, 1)),
         velocities=np.zeros((num_particles, num_objects, 6)),
         weights=np.full(num_particles, 1.0 / num_particles),
+        num_used=np.array([float(num_particles)]),
         estimates=np.tile(nominal_poses, (2, 1, 1)),
         num_estimates=np.zeros(num_objects),
         detection_times=np.full(num_objects, -np.inf),

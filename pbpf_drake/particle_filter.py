@@ -24,6 +24,7 @@ from pbpf_drake.particle_filter_update import ParticleFilterUpdate
 from pbpf_drake.pose_conversion import pose_array, rigid_transform
 from pbpf_drake.pose_statistics import pose_covariance
 from pbpf_drake.resampling import effective_sample_size
+from pbpf_drake.update_pace import UpdatePace
 
 # Samples of the joints closer than this (in seconds) are one.
 _SAME_TIME = 1e-6
@@ -51,6 +52,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
         - particles
         - weights
         - effective_sample_size
+        - particles_used
         - covariances
         - tracked
         - detected
@@ -67,7 +69,9 @@ class PhysicsBasedParticleFilter(LeafSystem):
     Output ``estimated_poses``: list of K RigidTransform X_WO, the weighted
     mean of the particles. Output ``particles``: (M, K, 7) in row-major order:
     qw qx qy qz (unit), x y z (in meters). Output ``weights``: (M,), sum 1.
-    Output ``effective_sample_size``: from 1 to M. Output ``covariances``:
+    Output ``effective_sample_size``: from 1 to n. Output ``particles_used``: n,
+    the first of the M particles; the others repeat them with a weight of 0, and
+    there are none if ``adaptive_count`` is off. Output ``covariances``:
     (K, 6, 6) in row-major order: rotation vector (in radians), then position
     (in meters), in the world. Outputs ``tracked`` and ``detected``: (K,) 1 if
     the object has been detected, ever and at the last update, else 0. Output
@@ -79,7 +83,9 @@ class PhysicsBasedParticleFilter(LeafSystem):
 
     State: all of it is discrete: particles with their velocities, weights,
     two estimates, counters, and the latest samples of the joints. No port has
-    direct feedthrough. Randomness is a pure function of (seed, step).
+    direct feedthrough. Randomness is a pure function of (seed, step). Only with
+    ``adaptive_count.to_period`` does anything depend on wall times; those of
+    the last updates are no state, and a cloned context starts without them.
 
     Args:
         config: checked here.
@@ -125,7 +131,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
         self._scratch_index = self.DeclareCacheEntry(
             "scratch",
             ValueProducer(
-                allocate=lambda: Value(_Scratch(update)),
+                allocate=lambda: Value(_Scratch(update, config.period)),
                 calc=ValueProducer.NoopCalc,
             ),
             {self.nothing_ticket()},
@@ -172,6 +178,9 @@ class PhysicsBasedParticleFilter(LeafSystem):
             1,
             calc=self._CalcEffectiveSampleSize,
             prerequisites_of_calc={weights},
+        )
+        self.DeclareStateOutputPort(
+            "particles_used", self._state_index["num_used"]
         )
         self.DeclareVectorOutputPort(
             "covariances",
@@ -233,19 +242,23 @@ class PhysicsBasedParticleFilter(LeafSystem):
         samples, rows = self._TakeSamples(context, values)
         state = self._State(context)
         scratch = self.get_cache_entry(self._scratch_index).Eval(context)
+        fit = self._config.adaptive_count.to_period
         state = self._update.Update(
             state,
             path=self._Path(context, samples),
             detections=_new_detections(rows, state),
             scratch=scratch.Get(),
+            most=scratch.pace.Most() if fit else None,
         )
         for name, index in self._state_index.items():
             values.get_mutable_value(index)[:] = np.ravel(getattr(state, name))
         values.get_mutable_value(self._update_time_index)[:] = (
             context.get_time()
         )
+        seconds = wall_clock.perf_counter() - start
+        scratch.pace.Note(seconds, int(state.num_used[0]))
         if self._on_update:
-            self._on_update(wall_clock.perf_counter() - start)
+            self._on_update(seconds)
 
     def _State(self, context: Context) -> FilterState:
         return FilterState(
@@ -365,12 +378,14 @@ def _new_detections(
 class _Scratch:
     """Work space that a cloned context gets anew."""
 
-    def __init__(self, update: ParticleFilterUpdate) -> None:
+    def __init__(self, update: ParticleFilterUpdate, period: float) -> None:
         self._update = update
+        self._period = period
+        self.pace = UpdatePace(period)
         self._scratch: Any = None
 
     def __deepcopy__(self, memo: dict) -> "_Scratch":
-        return _Scratch(self._update)
+        return _Scratch(self._update, self._period)
 
     def Get(self) -> Any:
         """Returns the scratch, made at first use."""

@@ -118,12 +118,61 @@ class VisibilityConfig:
 
 
 @dataclass(kw_only=True)
+class AdaptiveCountConfig:
+    """How many of the particles an update has, if not all. Not in the paper."""
+
+    # Whether it is as many as the belief needs; see adaptive_count.
+    to_belief: bool = False
+    # Whether it is at most as many as fit into the period, by how long the last
+    # updates took. Then results depend on the machine and on its load.
+    to_period: bool = False
+    # The fewest; more where weights are so uneven that these are worth less.
+    min_particles: int = 20
+    # ε: how far the particles may be from the belief (Kullback-Leibler
+    # divergence, in nats) ...
+    max_divergence: float = 0.2
+    # ... with this probability.
+    confidence: float = 0.99
+    # Edges of the bins (in meters and radians) over which that is meant: poses
+    # in one of them count as the same. A detection can hardly tell them apart.
+    bin_position: float = 0.02
+    bin_rotation: float = 0.1
+
+    def ValidateOrThrow(self, name: str) -> None:
+        """Raises ValueError, naming the field, if a value is out of range."""
+        _require(
+            self.min_particles >= 1,
+            f"{name}.min_particles",
+            self.min_particles,
+            "at least 1",
+        )
+        _require(
+            0 < self.confidence < 1,
+            f"{name}.confidence",
+            self.confidence,
+            "in (0, 1)",
+        )
+        for part in ("max_divergence", "bin_position", "bin_rotation"):
+            value = getattr(self, part)
+            _require(
+                math.isfinite(value) and value > 0,
+                f"{name}.{part}",
+                value,
+                "more than 0",
+            )
+
+
+@dataclass(kw_only=True)
 class ParticleFilterConfig:
     """Everything that distinguishes one particle filter from another."""
 
     # M, the number of particles (Section 6; the paper uses 150 for CVPF and
     # for Scene 5).
     num_particles: int = 70
+    # Whether an update may have fewer of them.
+    adaptive_count: AdaptiveCountConfig = field(
+        default_factory=AdaptiveCountConfig
+    )
     # Δt, the time between two updates (in seconds; Section 6).
     period: float = 0.16
     # How often within a period the joint positions are sampled, so that what
@@ -203,3 +252,4 @@ class ParticleFilterConfig:
         self.initial_noise.ValidateOrThrow("initial_noise")
         self.detection_noise.ValidateOrThrow("detection_noise", minimum=1e-6)
         self.physics.ValidateOrThrow("physics")
+        self.adaptive_count.ValidateOrThrow("adaptive_count")

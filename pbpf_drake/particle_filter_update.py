@@ -2,7 +2,8 @@
 
 The paper's symbols: x_t^[m] is ``poses[m]``, x̄ is ``predicted``, w_t^[m] is
 ``weights[m]``, x̃_t is ``estimates[0]``, M and K are the first two dimensions
-of ``poses``, v is ``visibility``.
+of ``poses``, v is ``visibility``. Within an update there may be fewer than M
+particles; see AdaptiveCountConfig.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from pbpf_drake.adaptive_count import bin_labels, needed_particles
 from pbpf_drake.control_path import ControlPath
 from pbpf_drake.filter_state import FilterState, StampedPose
 from pbpf_drake.motion_model import MotionInput, MotionModel, MotionResult
@@ -22,7 +24,11 @@ from pbpf_drake.particle_filter_config import (
 from pbpf_drake.pose_noise import add_process_noise, sample_around
 from pbpf_drake.pose_statistics import mean_pose
 from pbpf_drake.random_streams import MakeGenerator, Stream
-from pbpf_drake.resampling import normalize_log_weights, systematic_resample
+from pbpf_drake.resampling import (
+    effective_sample_size,
+    normalize_log_weights,
+    systematic_resample,
+)
 from pbpf_drake.track_loss import is_lost, mean_disagreement
 from pbpf_drake.visibility import VisibilityModel, visibility_log_factor
 
@@ -69,6 +75,7 @@ class ParticleFilterUpdate:
         path: ControlPath,
         detections: Mapping[int, Sequence[StampedPose]],
         scratch: tuple[Any, Any],
+        most: int | None = None,
     ) -> FilterState:
         """Returns the next state: resample, predict, observe.
 
@@ -83,9 +90,11 @@ class ParticleFilterUpdate:
             detections: DOPE(z_t): by object index, the detections that no
                 update has used yet, the latest last; no empty ones.
             scratch: from MakeScratch.
+            most: the update has at most so many particles, if that isn't
+                below the configured minimum; by default M.
         """
         step = int(state.step[0]) + 1
-        state = self._Resample(state, step)
+        state = self._Resample(state, detections, step, most)
         active = state.num_estimates > 0
         known = active | _mask(detections, len(active))
         motion = self._Predict(state, path, step, scratch[0])
@@ -124,14 +133,54 @@ class ParticleFilterUpdate:
     def _Generator(self, step: int, stream: Stream) -> np.random.Generator:
         return MakeGenerator(seed=self._config.seed, step=step, stream=stream)
 
-    def _Resample(self, state: FilterState, step: int) -> FilterState:
-        """X_{t-1} of the paper: survivors, all of the same weight."""
+    def _Resample(
+        self,
+        state: FilterState,
+        detections: Mapping[int, Sequence[StampedPose]],
+        step: int,
+        most: int | None,
+    ) -> FilterState:
+        """X_{t-1} of the paper: n survivors, all of the same weight."""
         u = self._Generator(step, Stream.RESAMPLING).random()
-        survivors = systematic_resample(state.weights, u)
+        count = self._Count(state, detections, u, most)
+        survivors = systematic_resample(state.weights, u, count)
         return replace(
             state,
             poses=state.poses[survivors],
             velocities=state.velocities[survivors],
+        )
+
+    def _Count(
+        self,
+        state: FilterState,
+        detections: Mapping[int, Sequence[StampedPose]],
+        u: float,
+        most: int | None,
+    ) -> int:
+        """Returns n, how many particles this update has.
+
+        All of them where a track begins: what is believed then isn't in the
+        particles yet.
+        """
+        config, count = self._config.adaptive_count, len(state.weights)
+        if most is not None:
+            count = min(count, max(most, config.min_particles))
+        active = state.num_estimates > 0
+        if not config.to_belief or not active[list(detections)].all():
+            return count
+        labels = bin_labels(
+            state.poses[:, active],
+            state.estimates[0, active],
+            (config.bin_position, config.bin_rotation),
+        )
+        size = effective_sample_size(state.weights)
+        return needed_particles(
+            labels,
+            state.weights,
+            u,
+            efficiency=min(size / state.num_used[0], 1.0),
+            most=count,
+            config=config,
         )
 
     def _Predict(
@@ -290,16 +339,22 @@ class ParticleFilterUpdate:
         known: np.ndarray,
         detections: Mapping[int, Sequence[StampedPose]],
     ) -> FilterState:
-        """The next state, with the mean of the weighted particles."""
+        """The next state, with the mean of the weighted particles.
+
+        Particles that aren't used have a place in it all the same: they repeat
+        the others.
+        """
         weights = normalize_log_weights(log_weights)
         mean, last = mean_pose(predicted, weights), state.estimates[0]
+        spare = np.zeros(len(state.weights) - len(weights))
         times = state.detection_times.copy()
         for k, used in detections.items():
             times[k] = used[-1].time
         return FilterState(
-            poses=predicted,
-            velocities=velocities,
-            weights=weights,
+            poses=_repeat(predicted, len(spare)),
+            velocities=_repeat(velocities, len(spare)),
+            weights=np.concatenate([weights, spare]),
+            num_used=np.array([float(len(weights))]),
             estimates=np.stack([np.where(known[:, None], mean, last), last]),
             num_estimates=np.minimum(state.num_estimates + known, 2),
             detection_times=times,
@@ -337,6 +392,12 @@ def _common_support(supports: np.ndarray) -> np.ndarray:
     mean = np.mean(supports, axis=0)
     length = np.linalg.norm(mean)
     return mean / length if length > 0.5 else np.zeros(3)
+
+
+def _repeat(particles: np.ndarray, num_spare: int) -> np.ndarray:
+    """Returns (n, ...) followed by so many repetitions of its rows."""
+    count = len(particles)
+    return particles[np.arange(count + num_spare) % count]
 
 
 def _mask(indices: Iterable[int], length: int) -> np.ndarray:

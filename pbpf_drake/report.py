@@ -36,6 +36,7 @@ _COLUMNS = (
     *_ERROR_COLUMNS,
     "detected",
     *_TIME_COLUMNS,
+    "late",
 )
 # Titles over groups of the table's columns, from the first to the last.
 _GROUPS = (
@@ -59,8 +60,10 @@ def MakeReport(
 
     Returns:
         What report.json holds: ``warnings`` and a list ``runs``. A run has
-        ``method``, ``seed``, ``steps``, ``particles``, ``update_time_ms``
-        (median, p95, max), ``config`` and, by name of the object, ``objects``:
+        ``method``, ``seed``, ``steps``, ``particles``, ``particles_used`` (the
+        mean), ``update_time_ms`` (median, p95, max), ``late_updates`` (that
+        took longer than the period), ``config`` and, by name of the object,
+        ``objects``:
         ``position_error_m`` and ``rotation_error_rad`` (mean, std, median,
         end: that of the last compared step), ``compared_steps`` and
         ``detected_share`` (of all steps). Unknown numbers are None.
@@ -127,11 +130,13 @@ def _summarize_run(
         "seed": int(record.seed),
         "steps": len(record.times),
         "particles": int(record.particles.shape[1]),
+        "particles_used": _number(record.particles_used, np.mean),
         "update_time_ms": {
             "median": _number(milliseconds, np.median),
             "p95": _number(milliseconds, lambda x: np.percentile(x, 95)),
             "max": _number(milliseconds, np.max),
         },
+        "late_updates": int(np.sum(milliseconds > 1e3 * record.period)),
         "objects": {
             name: _summarize_object(record, name, ground_truth.get(name))
             for name in record.object_names
@@ -237,6 +242,7 @@ def _table_row(name: str, run: Mapping[str, Any]) -> list[str]:
         *(_cell(rotation[k], ".3f", "-") for k in _ERROR_COLUMNS),
         _cell(summary["detected_share"], ".0%", "-"),
         *(_cell(update[k], ".1f", "-") for k in _TIME_COLUMNS),
+        str(run["late_updates"]),
     ]
 
 

@@ -23,18 +23,23 @@ def effective_sample_size(weights: np.ndarray) -> float:
     return float(1.0 / np.sum(np.square(weights)))
 
 
-def systematic_resample(weights: np.ndarray, u: float) -> np.ndarray:
-    """Returns the M indices of the particles that survive, ascending.
+def systematic_resample(
+    weights: np.ndarray, u: float, count: int | None = None
+) -> np.ndarray:
+    """Returns the n indices of the particles that survive, ascending.
 
-    A comb of M teeth, 1/M apart, is laid over the cumulated weights; ``u``
+    A comb of n teeth, 1/n apart, is laid over the cumulated weights; ``u``
     says where in the first gap it starts. A particle of weight w is taken
-    ⌊Mw⌋ or ⌈Mw⌉ times, M w times on average.
+    ⌊nw⌋ or ⌈nw⌉ times, n w times on average.
 
     Args:
         weights: (M,) that sum to 1.
         u: in [0, 1).
+        count: n; by default M.
     """
-    teeth = (u + np.arange(len(weights))) / len(weights)
+    if count is None:
+        count = len(weights)
+    teeth = (u + np.arange(count)) / count
     # The last sum is 1 but for rounding, which must not lose a tooth.
     indices = np.searchsorted(np.cumsum(weights), teeth, side="right")
     return np.minimum(indices, np.flatnonzero(weights)[-1])

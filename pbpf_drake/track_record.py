@@ -22,7 +22,9 @@ class TrackRecord:
         effective_sample_size: (N,); zeros for estimators without particles.
         particles: (N, M, K, 7) as ``poses``; M is 0 without particles.
         weights: (N, M) of the particles.
+        particles_used: (N,) n, of the M particles; 0 without particles.
         update_ms: (N,) wall time of each update (in milliseconds).
+        period: that an update should take less than (in seconds).
         seed: the seed of the run.
     """
 
@@ -36,6 +38,8 @@ class TrackRecord:
     effective_sample_size: np.ndarray
     particles: np.ndarray
     weights: np.ndarray
+    particles_used: np.ndarray
     update_ms: np.ndarray
+    period: float
     seed: int = 0
     config: dict = field(default_factory=dict)

@@ -251,7 +251,9 @@ def _MakeRecord(
         effective_sample_size=column("effective_sample_size", 1)[:, 0],
         particles=column("particles", num_particles, num_objects, 7),
         weights=column("weights", num_particles),
+        particles_used=column("particles_used", 1)[:, 0],
         update_ms=1e3 * np.array(seconds[: len(rows)]),
+        period=config.period,
         seed=config.seed,
         config=asdict(config) if num_particles else {"period": config.period},
     )

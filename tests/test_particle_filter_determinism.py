@@ -19,9 +19,15 @@ from pydrake.systems.framework import DiagramBuilder
 import pytest
 
 from pbpf_drake.add_particle_filter import AddParticleFilter
+from pbpf_drake.particle_filter_config import AdaptiveCountConfig
 
 PORTS = ("joint_positions", "dope_measurement")
 MOTIONS = ("physics", "constant_velocity")
+# From one particle to all that there are.
+ADAPTIVE = AdaptiveCountConfig(
+    to_belief=True, min_particles=1, bin_position=0.1, bin_rotation=1.0
+)
+COUNTS = (AdaptiveCountConfig(), ADAPTIVE)
 
 
 @pytest.fixture(scope="module")
@@ -43,11 +49,14 @@ def test_the_same_seed_gives_the_same_bits_and_another_does_not(scene, motion):
     assert np.all(other["estimated_poses"] != first["estimated_poses"])
 
 
-def test_one_and_two_threads_agree_to_the_bit(scene):
+@pytest.mark.parametrize("count", COUNTS, ids=["all", "adaptive"])
+def test_one_and_two_threads_agree_to_the_bit(scene, count):
     first, second = (
-        push(_make(scene, num_threads=n), range(1, 5)) for n in (1, 2)
+        push(_make(scene, num_threads=n, adaptive_count=count), range(1, 5))
+        for n in (1, 2)
     )
     assert_same(first, second)
+    assert (first["particles_used"] < 8) == count.to_belief
 
 
 def _continue(run: FilterRun, simulator: Simulator) -> dict[str, np.ndarray]:
@@ -62,9 +71,12 @@ def _continue(run: FilterRun, simulator: Simulator) -> dict[str, np.ndarray]:
     return read_ports(run.filter, context)
 
 
+@pytest.mark.parametrize("count", COUNTS, ids=["all", "adaptive"])
 @pytest.mark.parametrize("motion", MOTIONS)
-def test_a_context_cloned_between_updates_continues_identically(scene, motion):
-    run = _make(scene, motion=motion)
+def test_a_context_cloned_between_updates_continues_identically(
+    scene, motion, count
+):
+    run = _make(scene, motion=motion, adaptive_count=count)
     # Other than the joints were at the last update, and since.
     push(run, range(1, 4))
     run.set_joints([probe_at(3)[0] + 0.01, 0.003])

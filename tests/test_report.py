@@ -38,6 +38,9 @@ def test_statistics_match_their_closed_forms(tmp_path):
     assert run["config"] == {"num_particles": 4}
     update = {"median": 5.5, "p95": 9.55, "max": 10.0}
     assert run["update_time_ms"] == pytest.approx(update)
+    # The period is 8.5 ms.
+    assert run["late_updates"] == 2
+    assert run["particles_used"] == 4
     box = run["objects"]["box"]
     assert box["detected_share"] == pytest.approx(0.7)
     assert box["compared_steps"] == 10
@@ -64,6 +67,7 @@ def test_unknown_numbers_are_null(tmp_path):
     report = _write_and_read(MakeReport([record], {}), tmp_path)
     (run,) = report["runs"]
     assert set(run["update_time_ms"].values()) == {None}
+    assert run["late_updates"] == 0
     box = run["objects"]["box"]
     assert set(box["position_error_m"].values()) == {None}
     assert set(box["rotation_error_rad"].values()) == {None}
@@ -145,7 +149,7 @@ def test_table_shows_every_object_and_method_in_aligned_columns():
     ]
     # mean, std, median, end of position, then of rotation; detected; update.
     numbers = "0.050 0.000 0.050 0.050 0.130 0.000 0.130 0.130 100% 5.5 9.5"
-    assert rows[0].split()[2:] == [*numbers.split(), "10.0"]
+    assert rows[0].split()[2:] == [*numbers.split(), "10.0", "2"]
     assert rows[1].split()[2:6] == ["0.275", "0.144", "0.275", "0.500"]
     assert rows[2].split()[2:10] == ["-"] * 8
     assert {len(line) for line in lines[1:]} == {len(rule)}

@@ -46,6 +46,15 @@ def test_one_hot_weights_keep_one_particle(u):
     assert set(systematic_resample(np.eye(5)[2], u)) == {2}
 
 
+def test_fewer_or_more_can_survive():
+    weights = np.array([0.1, 0.5, 0.0, 0.4])
+    # Teeth at 0.25 and 0.75; and at 0.05, 0.15, …, 0.95.
+    np.testing.assert_array_equal(systematic_resample(weights, 0.5, 2), [1, 3])
+    np.testing.assert_array_equal(
+        systematic_resample(weights, 0.5, 10), [0] + [1] * 5 + [3] * 4
+    )
+
+
 def test_ancestors_of_a_hand_computed_case():
     # Cumulated 0.1, 0.6, 0.6, 1.0; teeth at 0.125, 0.375, 0.625, 0.875.
     weights = np.array([0.1, 0.5, 0.0, 0.4])

@@ -133,6 +133,7 @@ def _numbers(out) -> dict:
     report = json.loads((out / "report.json").read_text("utf-8"))
     for run in report["runs"]:
         run.pop("update_time_ms")
+        run.pop("late_updates")
         run["config"].pop("num_threads", None)
     return report
 

@@ -59,6 +59,7 @@ def test_a_record_has_one_row_per_update(scene, method):
         "effective_sample_size": (),
         "particles": (particles, 1, 7),
         "weights": (particles,),
+        "particles_used": (),
         "update_ms": (),
     }.items():
         value = getattr(record, name)
@@ -67,6 +68,8 @@ def test_a_record_has_one_row_per_update(scene, method):
     assert record.tracked.dtype == record.detected.dtype == bool
     assert np.all(record.tracked)
     assert np.all(record.update_ms > 0)
+    assert record.period == PERIOD
+    np.testing.assert_array_equal(record.particles_used, particles)
     assert (record.config.get("num_particles", 0)) == particles
 
 

@@ -55,7 +55,9 @@ def make_record(
         effective_sample_size=np.full(num_steps, 0.5 * num_particles),
         particles=np.zeros((num_steps, num_particles, count, 7)),
         weights=np.full((num_steps, num_particles), 1 / max(num_particles, 1)),
+        particles_used=np.full(num_steps, float(num_particles)),
         update_ms=np.arange(1.0, num_steps + 1),
+        period=0.0085,
         seed=7,
         config={"num_particles": num_particles},
     )

@@ -66,6 +66,7 @@ def step(
     update: ParticleFilterUpdate,
     state: FilterState,
     seen: Mapping[int, Sequence[StampedPose]] | None = None,
+    most: int | None = None,
 ) -> FilterState:
     """One update of a period, with detections of objects by index."""
     end = PERIOD * (state.step[0] + 1)
@@ -74,6 +75,7 @@ def step(
         path=ControlPath(np.array([end - PERIOD, end]), np.zeros((2, 1))),
         detections=seen or {},
         scratch=update.MakeScratch(),
+        most=most,
     )
 
 
