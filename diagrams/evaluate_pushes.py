@@ -12,7 +12,6 @@ import argparse
 import itertools
 from pathlib import Path
 import sys
-import tempfile
 
 import numpy as np
 
@@ -23,14 +22,12 @@ from pbpf_drake.diagrams.push_evaluation import (
     MakeParser,
     PushConfig,
     Row,
+    ThroughMcap,
     WriteRows,
 )
 from pbpf_drake.diagrams.run_command import RunCommand
-from pbpf_drake.log import Log
-from pbpf_drake.log_reader import ReadLog
-from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.pose_errors import compute_errors
-from pbpf_drake.scene import LoadScene, Scene
+from pbpf_drake.scene import LoadScene
 from pbpf_drake.scene_models import data_folder
 from pbpf_drake.tracking import Track
 
@@ -44,14 +41,6 @@ _CLEAN = (
     "StraightLine_2016_10_23_SinglePerturbations",
     "StraightLine_2016_10_23_StraightLineOpenLoop",
 )
-
-
-def _through_mcap(log: Log, scene: Scene) -> Log:
-    """Takes the log through a file, as any log of a user comes."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "push.mcap"
-        WriteLog(filename=path, scene_topics=scene.topics, log=log)
-        return ReadLog(filename=path, scene=scene, joint_names=log.joints.names)
 
 
 def evaluate(job: tuple[Path, int, str]) -> Row:
@@ -71,7 +60,7 @@ def evaluate(job: tuple[Path, int, str]) -> Row:
         object_name=name,
         blackout=_BLACKOUT,
     )
-    log = _through_mcap(log, scene)
+    log = ThroughMcap(log, scene)
     config = PushConfig(scene, method, seed)
     record = Track(scene=scene, log=log, method=method, config=config)
     errors = compute_errors(record, name, log.ground_truth[name])

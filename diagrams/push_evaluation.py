@@ -6,11 +6,15 @@ import csv
 from dataclasses import replace
 import os
 from pathlib import Path
+import tempfile
 from typing import Any
 
 from tqdm import tqdm
 
 from pbpf_drake.diagrams.executors import LocalExecutor
+from pbpf_drake.log import Log
+from pbpf_drake.log_reader import ReadLog
+from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.scene import Scene
 from pbpf_drake.tracking import DefaultConfig
@@ -28,6 +32,14 @@ def PushConfig(scene: Scene, method: str, seed: int) -> ParticleFilterConfig:
     """
     config = replace(DefaultConfig(scene, method), seed=seed)
     return replace(config, recover_lost_tracks=method == "pbpf")
+
+
+def ThroughMcap(log: Log, scene: Scene) -> Log:
+    """Takes the log through a file, as any log of a user comes."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "push.mcap"
+        WriteLog(filename=path, scene_topics=scene.topics, log=log)
+        return ReadLog(filename=path, scene=scene, joint_names=log.joints.names)
 
 
 def EvaluateAll(

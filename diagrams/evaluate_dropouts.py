@@ -1,0 +1,195 @@
+"""Evaluates PBPF on the dropouts of a real camera while a block is pushed.
+
+Robot, detections and dropouts are those that were recorded; nothing is
+simulated. At the first detection after every dropout, each method says where
+the block is before it knows that detection, and is compared with it. For that,
+there is one run for every dropout: the log up to then. The filters have once
+the noise of the paper's preset, which is DOPE's, and once the scene's, which is
+this camera's.
+
+The recordings are those of robinzhoucmu/PlanarManipulationToolBox, one CSV file
+each; see two_finger_log.py for their columns.
+"""
+
+import argparse
+from dataclasses import replace
+from functools import cache
+import itertools
+from pathlib import Path
+import sys
+
+import numpy as np
+
+from pbpf_drake.diagrams.push_evaluation import (
+    METHODS,
+    EvaluateAll,
+    MakeParser,
+    PushConfig,
+    Row,
+    ThroughMcap,
+    WriteRows,
+)
+from pbpf_drake.diagrams.run_command import RunCommand
+from pbpf_drake.diagrams.two_finger_log import (
+    ReadTwoFingerPush,
+    cut_to_update,
+    find_dropouts,
+    was_lifted,
+)
+from pbpf_drake.log import Log
+from pbpf_drake.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.pose_errors import position_error, rotation_error
+from pbpf_drake.pose_interpolation import interpolate_poses
+from pbpf_drake.prediction_model import MakePredictionModel
+from pbpf_drake.scene import LoadScene, Scene
+from pbpf_drake.scene_models import data_folder
+from pbpf_drake.tracking import Track
+
+# Longer than the period: without a detection at one update at least.
+_SHORTEST = 0.161
+# What is told apart, and what it is called in the table.
+_KINDS = {
+    "long": "pushed, 0.4 s or longer",
+    "short": "pushed, shorter",
+    "pause": "pause between pushes",
+}
+_LONG = 0.4
+_NOISES = ("paper", "camera")
+
+
+@cache
+def _scene() -> Scene:
+    return LoadScene(
+        data_folder("diagrams") / "scenes" / "two_finger_push.yaml"
+    )
+
+
+@cache
+def _read(filename: Path) -> Log:
+    scene = _scene()
+    height = MakePredictionModel(scene).nominal_poses[0, 6]
+    return ReadTwoFingerPush(
+        filename, X_WC=scene.camera.pose(), height=height, object_name="block"
+    )
+
+
+def _dropouts(log: Log) -> np.ndarray:
+    return find_dropouts(log.ground_truth["block"].times, _SHORTEST)
+
+
+def choose_config(
+    scene: Scene, noise: str, method: str, seed: int
+) -> ParticleFilterConfig:
+    """Returns a method's config, with the noise of "paper" or of "camera"."""
+    config = PushConfig(scene, method, seed)
+    if noise == "camera":
+        return config
+    paper = ParticleFilterConfig()
+    return replace(
+        config,
+        process_noise=paper.process_noise,
+        detection_noise=paper.detection_noise,
+    )
+
+
+def evaluate(job: tuple[Path, int, str, int, str]) -> Row:
+    """Tracks one run up to the end of one dropout; returns a row of results.
+
+    ``moved_m`` and ``moved_rad`` is how far the block got in the dropout,
+    ``error_m`` and ``error_rad`` how far the estimate is from the detection
+    that ends it (in meters and radians).
+    """
+    filename, index, noise, seed, method = job
+    scene, whole = _scene(), _read(filename)
+    start, end = dropout = _dropouts(whole)[index]
+    config = choose_config(scene, noise, method, seed)
+    log = ThroughMcap(cut_to_update(whole, end, config.period), scene)
+    record = Track(scene=scene, log=log, method=method, config=config)
+    q, p = interpolate_poses(whole.ground_truth["block"], dropout)
+    estimate = record.poses[-1, 0]
+    lifted = was_lifted(whole.joints, start, end)
+    kind = "long" if end - start >= _LONG else "short"
+    return {
+        "run": filename.stem,
+        "dropout": index,
+        "kind": "pause" if lifted else kind,
+        "noise": noise,
+        "seed": seed,
+        "method": method,
+        "start_s": float(start),
+        "length_s": float(end - start),
+        "moved_m": float(position_error(*p)),
+        "moved_rad": float(rotation_error(*q)),
+        "error_m": float(position_error(estimate[4:], p[1])),
+        "error_rad": float(rotation_error(estimate[:4], q[1])),
+    }
+
+
+def _column(rows: list[dict], method: str, name: str) -> np.ndarray:
+    chosen = [row for row in rows if row["method"] == method]
+    chosen.sort(key=lambda row: (row["run"], row["dropout"], row["seed"]))
+    return np.array([row[name] for row in chosen], dtype=float)
+
+
+_HEADER = """\
+| dropouts | noise | number | length [s] | moved [mm] | moved [rad] \
+| PBPF [mm] | CVPF [mm] | hold [mm] | PBPF [rad] | CVPF [rad] | hold [rad] |
+|---|---|---|---|---|---|---|---|---|---|---|---|"""
+
+
+def _spread(values: np.ndarray, digits: int) -> str:
+    high = np.percentile(values, 90)
+    return f"{np.median(values):.{digits}f} / {high:.{digits}f}"
+
+
+def summarize(title: str, noise: str, rows: list[dict]) -> str:
+    """Returns a line of a Markdown table: medians, 90th percentiles."""
+    number = len({(row["run"], row["dropout"]) for row in rows})
+    cells = [
+        title,
+        noise,
+        f"{number}",
+        f"{np.median(_column(rows, 'dope', 'length_s')):.2f}",
+        f"{1e3 * np.median(_column(rows, 'dope', 'moved_m')):.1f}",
+        f"{np.median(_column(rows, 'dope', 'moved_rad')):.2f}",
+        *(_spread(1e3 * _column(rows, m, "error_m"), 1) for m in METHODS),
+        *(_spread(_column(rows, m, "error_rad"), 2) for m in METHODS),
+    ]
+    return "| " + " | ".join(cells) + " |"
+
+
+def run(args: argparse.Namespace) -> None:
+    """Evaluates all runs in a folder; prints a table, writes all rows."""
+    files = sorted(args.data.rglob("*.csv"))
+    if not files:
+        raise ValueError(f"there are no CSV files in {args.data}")
+    dropouts = [(f, i) for f in files for i in range(len(_dropouts(_read(f))))]
+    if not dropouts:
+        raise ValueError(f"nothing in {args.data} drops out")
+    jobs = [
+        (*dropout, *rest)
+        for dropout, *rest in itertools.product(
+            dropouts, _NOISES, range(args.seeds), METHODS
+        )
+    ]
+    rows = EvaluateAll(evaluate, jobs, num_processes=args.jobs)
+    print("At the first detection after a dropout: median / 90th percentile")
+    print(_HEADER)
+    for kind, noise in itertools.product(_KINDS, _NOISES):
+        chosen = [r for r in rows if (r["kind"], r["noise"]) == (kind, noise)]
+        if chosen:
+            print(summarize(_KINDS[kind], noise, chosen))
+    WriteRows(args.out, rows)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Runs the command; returns its exit code."""
+    parser = MakeParser(
+        __doc__.split("\n")[0], data="CSV files", seeds=3, out="dropouts.csv"
+    )
+    args = parser.parse_args(argv)
+    return RunCommand("evaluate_dropouts", lambda: run(args))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
