@@ -118,4 +118,4 @@ def test_pyplots_global_state_is_not_used():
         "import sys, pbpf_drake.error_plot; "
         "sys.exit('matplotlib.pyplot' in sys.modules)"
     )
-    subprocess.run([sys.executable, "-c", code], check=True)
+    subprocess.run([sys.executable, "-P", "-c", code], check=True)

@@ -7,7 +7,6 @@ from filter_fixtures import (
     planar_scene,
     small_config,
 )
-from mcap.reader import make_reader
 import numpy as np
 from pydrake.geometry import Meshcat
 import pytest
@@ -128,49 +127,15 @@ def test_the_filter_gives_what_it_gives_without_a_log(scene):
         )
 
 
-def test_watching_changes_nothing(scene, tmp_path):
+def test_watching_changes_nothing(scene):
     meshcat = Meshcat()
-    watched = _track(
-        scene,
-        "pbpf-v",
-        estimates_filename=tmp_path / "estimates.mcap",
-        meshcat=meshcat,
-    )
+    watched = _track(scene, "pbpf-v", meshcat=meshcat)
     meshcat.Delete()
     alone = _track(scene, "pbpf-v")
     for name in ("times", "poses", "particles", "covariances", "detected"):
         np.testing.assert_array_equal(
             getattr(watched, name), getattr(alone, name)
         )
-
-
-@pytest.mark.parametrize("method, topics", [("pbpf", 2), ("dope", 1)])
-def test_estimates_are_written_once_per_update(scene, tmp_path, method, topics):
-    path = tmp_path / "estimates.mcap"
-    record = _track(scene, method, estimates_filename=path)
-    with path.open("rb") as file:
-        messages = list(make_reader(file).iter_messages())
-    assert {c.topic for _, c, _ in messages} == {
-        "/pbpf/estimate/block",
-        "/pbpf/particles/block",
-    } - ({"/pbpf/particles/block"} if topics == 1 else set())
-    assert len(messages) == topics * STEPS
-    times = sorted({m.log_time - LOG.start_time for _, _, m in messages})
-    np.testing.assert_allclose(np.array(times) / 1e9, record.times, atol=1e-6)
-
-
-def test_the_file_of_estimates_is_whole_even_if_the_run_is_stopped(
-    scene, tmp_path
-):
-    path = tmp_path / "estimates.mcap"
-
-    def stop():
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        _track(scene, "pbpf", estimates_filename=path, on_step=stop)
-    with path.open("rb") as file:
-        assert len(list(make_reader(file).iter_messages())) == 2
 
 
 def test_default_configs_are_the_scenes_for_the_method(scene):
@@ -192,7 +157,6 @@ def test_a_diagram_names_its_parts(scene):
     )
     names = {s.get_name() for s in tracking.diagram.GetSystems()}
     assert names == {"joint_log_source", "dope_log_source", "particle_filter"}
-    assert tracking.recorder is None
     assert tracking.update_seconds == []
 
 

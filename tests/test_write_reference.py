@@ -11,7 +11,7 @@ import pbpf_drake
 from pbpf_drake.diagrams import write_reference
 from pbpf_drake.diagrams.write_reference import field_comments, show_ports
 
-_COMMAND = [sys.executable, "-m", write_reference.__name__]
+_COMMAND = [sys.executable, "-P", "-m", write_reference.__name__]
 _BROKEN = """
 import sys
 import pbpf_drake
@@ -61,7 +61,7 @@ def test_fields_of_the_configuration_are_explained(page):
 
 
 def test_a_docstring_that_is_not_sound_is_an_error(tmp_path):
-    done = _run(sys.executable, "-c", _BROKEN, tmp_path)
+    done = _run(sys.executable, "-P", "-c", _BROKEN, tmp_path)
     assert done.returncode == 1
     assert "pbpf_drake.log_reader.ReadLog" in done.stderr
     assert "start-string without end-string" in done.stderr
