@@ -23,13 +23,14 @@ import numpy as np
 from pbpf_drake.diagrams.push_evaluation import (
     METHODS,
     EvaluateAll,
-    MakeParser,
     PushConfig,
     Row,
+    RunEvaluation,
     ThroughMcap,
     WriteRows,
+    column,
+    spread,
 )
-from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.diagrams.two_finger_log import (
     ReadTwoFingerPush,
     cut_to_update,
@@ -125,21 +126,10 @@ def evaluate(job: tuple[Path, int, str, int, str]) -> Row:
     }
 
 
-def _column(rows: list[dict], method: str, name: str) -> np.ndarray:
-    chosen = [row for row in rows if row["method"] == method]
-    chosen.sort(key=lambda row: (row["run"], row["dropout"], row["seed"]))
-    return np.array([row[name] for row in chosen], dtype=float)
-
-
 _HEADER = """\
 | dropouts | noise | number | length [s] | moved [mm] | moved [rad] \
 | PBPF [mm] | CVPF [mm] | hold [mm] | PBPF [rad] | CVPF [rad] | hold [rad] |
 |---|---|---|---|---|---|---|---|---|---|---|---|"""
-
-
-def _spread(values: np.ndarray, digits: int) -> str:
-    high = np.percentile(values, 90)
-    return f"{np.median(values):.{digits}f} / {high:.{digits}f}"
 
 
 def summarize(title: str, noise: str, rows: list[dict]) -> str:
@@ -149,11 +139,11 @@ def summarize(title: str, noise: str, rows: list[dict]) -> str:
         title,
         noise,
         f"{number}",
-        f"{np.median(_column(rows, 'dope', 'length_s')):.2f}",
-        f"{1e3 * np.median(_column(rows, 'dope', 'moved_m')):.1f}",
-        f"{np.median(_column(rows, 'dope', 'moved_rad')):.2f}",
-        *(_spread(1e3 * _column(rows, m, "error_m"), 1) for m in METHODS),
-        *(_spread(_column(rows, m, "error_rad"), 2) for m in METHODS),
+        f"{np.median(column(rows, 'dope', 'length_s')):.2f}",
+        f"{1e3 * np.median(column(rows, 'dope', 'moved_m')):.1f}",
+        f"{np.median(column(rows, 'dope', 'moved_rad')):.2f}",
+        *(spread(1e3 * column(rows, m, "error_m"), 1) for m in METHODS),
+        *(spread(column(rows, m, "error_rad"), 2) for m in METHODS),
     ]
     return "| " + " | ".join(cells) + " |"
 
@@ -184,11 +174,15 @@ def run(args: argparse.Namespace) -> None:
 
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    parser = MakeParser(
-        __doc__.split("\n")[0], data="CSV files", seeds=3, out="dropouts.csv"
+    return RunEvaluation(
+        argv,
+        run,
+        name="evaluate_dropouts",
+        description=__doc__,
+        data="CSV files",
+        seeds=3,
+        out="dropouts.csv",
     )
-    args = parser.parse_args(argv)
-    return RunCommand("evaluate_dropouts", lambda: run(args))
 
 
 if __name__ == "__main__":

@@ -25,12 +25,13 @@ from pbpf_drake.diagrams.planar_push_log import SimulateDetections
 from pbpf_drake.diagrams.push_evaluation import (
     METHODS,
     EvaluateAll,
-    MakeParser,
     PushConfig,
     Row,
+    RunEvaluation,
     WriteRows,
+    column,
+    spread,
 )
-from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.log import Log
 from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.pose_errors import compute_errors
@@ -136,12 +137,6 @@ def evaluate(job: tuple[Path, str, int, str]) -> Row:
     }
 
 
-def _column(rows: list[dict], method: str, name: str) -> np.ndarray:
-    chosen = [row for row in rows if row["method"] == method]
-    chosen.sort(key=lambda row: (row["run"], row["blackout"], row["seed"]))
-    return np.array([row[name] for row in chosen], dtype=float)
-
-
 _HEADER = """\
 | run | blackout | moved [mm] | PBPF [mm] | CVPF [mm] | hold [mm] | PBPF/hold \
 | at most 0.35 hold | PBPF [rad] | hold [rad] | before slip [mm] \
@@ -151,11 +146,11 @@ _HEADER = """\
 
 def summarize(run: str, blackout: str, rows: list[dict]) -> str:
     """Returns a line of a Markdown table: medians, 90th percentiles."""
-    end = {m: 1e3 * _column(rows, m, "end_m") for m in METHODS}
-    turn = {m: _column(rows, m, "end_rad") for m in ("pbpf", "dope")}
+    end = {m: 1e3 * column(rows, m, "end_m") for m in METHODS}
+    turn = {m: column(rows, m, "end_rad") for m in ("pbpf", "dope")}
     around = [
         " / ".join(
-            f"{1e3 * np.median(_column(rows, method, when)):.0f}"
+            f"{1e3 * np.median(column(rows, method, when)):.0f}"
             for method in ("pbpf", "dope")
         )
         for when in ("before_slip_m", "after_slip_m")
@@ -164,17 +159,11 @@ def summarize(run: str, blackout: str, rows: list[dict]) -> str:
     cells = [
         run,
         blackout,
-        f"{1e3 * np.median(_column(rows, 'pbpf', 'moved_m')):.0f}",
-        *(
-            f"{np.median(end[m]):.0f} / {np.percentile(end[m], 90):.0f}"
-            for m in METHODS
-        ),
+        f"{1e3 * np.median(column(rows, 'pbpf', 'moved_m')):.0f}",
+        *(spread(end[m], 0) for m in METHODS),
         f"{np.median(end['pbpf'] / end['dope']):.2f}",
         f"{100 * share:.0f} %",
-        *(
-            f"{np.median(x):.2f} / {np.percentile(x, 90):.2f}"
-            for x in turn.values()
-        ),
+        *(spread(x, 2) for x in turn.values()),
         *around,
     ]
     return "| " + " | ".join(cells) + " |"
@@ -202,11 +191,15 @@ def run(args: argparse.Namespace) -> None:
 
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    parser = MakeParser(
-        __doc__.split("\n")[0], data="bags", seeds=10, out="push_bags.csv"
+    return RunEvaluation(
+        argv,
+        run,
+        name="evaluate_push_bags",
+        description=__doc__,
+        data="bags",
+        seeds=10,
+        out="push_bags.csv",
     )
-    args = parser.parse_args(argv)
-    return RunCommand("evaluate_push_bags", lambda: run(args))
 
 
 if __name__ == "__main__":

@@ -19,13 +19,14 @@ from pbpf_drake.diagrams.planar_push_log import ReadPlanarPush
 from pbpf_drake.diagrams.push_evaluation import (
     METHODS,
     EvaluateAll,
-    MakeParser,
     PushConfig,
     Row,
+    RunEvaluation,
     ThroughMcap,
     WriteRows,
+    column,
+    spread,
 )
-from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.pose_errors import compute_errors
 from pbpf_drake.scene import LoadScene
 from pbpf_drake.scene_models import data_folder
@@ -85,29 +86,20 @@ def evaluate(job: tuple[Path, int, str]) -> Row:
     }
 
 
-def _column(rows: list[dict], method: str, name: str) -> np.ndarray:
-    chosen = [row for row in rows if row["method"] == method]
-    chosen.sort(key=lambda row: (row["run"], row["seed"]))
-    return np.array([row[name] for row in chosen], dtype=float)
-
-
 def summarize(title: str, rows: list[dict]) -> str:
     """Returns a line of a Markdown table: medians, 90th percentiles."""
-    end = {m: 1e3 * _column(rows, m, "end_m") for m in METHODS}
-    yaw = _column(rows, "pbpf", "end_rad")
+    end = {m: 1e3 * column(rows, m, "end_m") for m in METHODS}
+    yaw = column(rows, "pbpf", "end_rad")
     share = np.mean(end["pbpf"] <= 0.25 * end["dope"])
-    recovery = _column(rows, "pbpf", "recovery_s")
+    recovery = column(rows, "pbpf", "recovery_s")
     cells = [
         title,
-        *(
-            f"{np.median(end[m]):.0f} / {np.percentile(end[m], 90):.0f}"
-            for m in METHODS
-        ),
+        *(spread(end[m], 0) for m in METHODS),
         f"{np.median(end['pbpf'] / end['dope']):.2f}",
         f"{np.median(end['pbpf'] / end['cvpf']):.2f}",
         f"{100 * share:.0f} %",
-        f"{np.median(yaw):.2f} / {np.percentile(yaw, 90):.2f}",
-        f"{1e3 * np.nanmax(_column(rows, 'pbpf', 'after_1s_m')):.0f}",
+        spread(yaw, 2),
+        f"{1e3 * np.nanmax(column(rows, 'pbpf', 'after_1s_m')):.0f}",
         f"{np.nanmedian(recovery):.2f} / {np.nanmax(recovery):.2f}"
         + (" (some never)" if np.any(np.isnan(recovery)) else ""),
     ]
@@ -141,11 +133,15 @@ def run(args: argparse.Namespace) -> None:
 
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    parser = MakeParser(
-        __doc__.split("\n")[0], data="CSV files", seeds=5, out="real_pushes.csv"
+    return RunEvaluation(
+        argv,
+        run,
+        name="evaluate_pushes",
+        description=__doc__,
+        data="CSV files",
+        seeds=5,
+        out="real_pushes.csv",
     )
-    args = parser.parse_args(argv)
-    return RunCommand("evaluate_pushes", lambda: run(args))
 
 
 if __name__ == "__main__":

@@ -9,9 +9,11 @@ from pathlib import Path
 import tempfile
 from typing import Any
 
+import numpy as np
 from tqdm import tqdm
 
 from pbpf_drake.diagrams.executors import LocalExecutor
+from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.log import Log
 from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.mcap_log_writer import WriteLog
@@ -20,6 +22,8 @@ from pbpf_drake.scene import Scene
 from pbpf_drake.tracking import DefaultConfig
 
 METHODS = ("pbpf", "cvpf", "dope")
+# What tells the rows of one method apart.
+_IDENTITY = ("run", "blackout", "dropout", "seed")
 
 Row = dict[str, float | str]
 
@@ -68,20 +72,50 @@ def WriteRows(filename: Path, rows: list[Row]) -> None:
     print(f"Written to {filename}")
 
 
-def MakeParser(
-    description: str, *, data: str, seeds: int, out: str
-) -> argparse.ArgumentParser:
-    """Returns the command line of an evaluation.
+def column(rows: list[Row], method: str, name: str) -> np.ndarray:
+    """Returns one column of a method's rows, in the same order for all methods.
 
     Args:
-        description: what it does.
+        rows: of all methods.
+        method: whose to return.
+        name: the column's.
+    """
+    chosen = [row for row in rows if row["method"] == method]
+    chosen.sort(key=lambda row: [row[k] for k in _IDENTITY if k in row])
+    return np.array([row[name] for row in chosen], dtype=float)
+
+
+def spread(values: np.ndarray, digits: int) -> str:
+    """Returns a cell of a table: the median and the 90th percentile."""
+    high = np.percentile(values, 90)
+    return f"{np.median(values):.{digits}f} / {high:.{digits}f}"
+
+
+def RunEvaluation(
+    argv: list[str] | None,
+    run: Callable[[argparse.Namespace], None],
+    *,
+    name: str,
+    description: str,
+    data: str,
+    seeds: int,
+    out: str,
+) -> int:
+    """Runs the command of an evaluation; returns its exit code.
+
+    Args:
+        argv: the command line; None is the process's own.
+        run: the evaluation.
+        name: of the command.
+        description: what it does; its first line is shown.
         data: what the folder holds.
         seeds: how many by default.
         out: the file of results by default.
     """
-    parser = argparse.ArgumentParser(description=description)
+    parser = argparse.ArgumentParser(description=description.split("\n")[0])
     parser.add_argument("data", type=Path, help=f"folder of {data}")
     parser.add_argument("--seeds", type=int, default=seeds)
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--out", type=Path, default=Path(out))
-    return parser
+    args = parser.parse_args(argv)
+    return RunCommand(name, lambda: run(args))
