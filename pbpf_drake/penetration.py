@@ -3,10 +3,11 @@
 Noise puts particles into the table and into the hand. A physics engine would
 shoot them out. Here they are pushed out instead, along the normal of the
 deepest penetration, until nothing is deep. What stands on something is not
-lifted by the robot, but slid.
+lifted by the robot or by another object, but slid and turned as by a push.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 from pydrake.geometry import PenetrationAsPointPair
@@ -14,6 +15,7 @@ from pydrake.systems.framework import Context
 
 from pbpf_drake.contact_model import ContactModel
 from pbpf_drake.contact_points import REST_DEPTH
+from pbpf_drake.push_on_support import MassDistribution, push_on_support
 
 # What is left of a penetration (in meters). Of one by what may carry an object
 # it is that of an object at rest, or it would fall.
@@ -25,9 +27,27 @@ _TOLERANCE = 1.25
 _MAX_PUSHES = 10
 # What was pushed isn't pushed back: within 60° of it.
 _BACK = 0.5
-# An object is slid along its support where that is at most twice as far as
-# along the normal.
-_MIN_SLIDE = 0.5
+
+
+@dataclass(frozen=True)
+class _Penetration:
+    """The deepest of one particle.
+
+    Attributes:
+        particle: its index.
+        objects: the two that penetrate; -1 for a link or a fixed model.
+        fixed: whether one of them is a fixed model.
+        normal: (3,) where the first goes; the second goes the other way.
+        p_WC: (3,) where they touch (in meters).
+        distance: the way that they have to go apart (in meters).
+    """
+
+    particle: int
+    objects: tuple[int, int]
+    fixed: bool
+    normal: np.ndarray
+    p_WC: np.ndarray
+    distance: float
 
 
 class PenetrationResolver:
@@ -45,28 +65,105 @@ class PenetrationResolver:
         self._context = plant.GetMyMutableContextFromRoot(context)
         self._geometry = scene_graph.GetMyContextFromRoot(context)
         self._query = scene_graph.get_query_output_port()
+        self._masses = MassDistribution.OfBodies(
+            [plant.get_body(index) for index in model.objects]
+        )
 
     def PushOut(self, q: np.ndarray, supports: np.ndarray) -> np.ndarray:
-        """Returns q with the objects moved.
+        """Returns q with the objects moved, (m, nq).
 
         Of two objects that penetrate, each goes half the way, unless one of
-        them would go back to where it was pushed from. Rotations are kept.
+        them would go back to where it was pushed from. What penetrates a fixed
+        model is moved along the normal and keeps its rotation.
 
         Args:
-            q: (nq,) positions of the model's plant; the links' are kept.
-            supports: (K, 3) normals of what the objects stand on, or zeros.
+            q: (m, nq) positions of the model's plant in m particles; the
+                links' are kept.
+            supports: (m, K, 3) normals of what the objects stand on, or zeros.
         """
         q = q.copy()
-        pushed: list[list[np.ndarray]] = [[] for _ in supports]
-        for _ in range(_MAX_PUSHES):
-            self._plant.SetPositions(self._context, q)
-            query = self._query.Eval(self._geometry)
-            pairs = query.ComputePointPairPenetration()
-            deepest = _deepest(self._model, pairs)
-            if deepest is None:
+        left: Iterable[int] = range(len(q))
+        # Where each object was pushed to by what doesn't give way.
+        pushed = np.zeros((*supports.shape[:2], _MAX_PUSHES, 3))
+        for push in range(_MAX_PUSHES):
+            deepest = [self._Deepest(m, q[m]) for m in left]
+            found = [p for p in deepest if p is not None]
+            if not found:
                 break
-            _push(self._model, q, *deepest, supports, pushed)
+            left = [p.particle for p in found]
+            self._Push(q, found, supports, pushed, push)
         return q
+
+    def _Deepest(self, particle: int, q: np.ndarray) -> _Penetration | None:
+        """Returns what is the most too deep in one particle."""
+        self._plant.SetPositions(self._context, q)
+        query = self._query.Eval(self._geometry)
+        links = self._model.link_geometries
+        deepest, most = None, 0.0
+        for pair in query.ComputePointPairPenetration():
+            depth, left = pair.depth, TOUCH
+            if depth <= _TOLERANCE * TOUCH + most:
+                continue
+            if pair.id_A not in links and pair.id_B not in links:
+                left = max(TOUCH, REST_DEPTH * abs(float(pair.nhat_BA_W[2])))
+            if depth - _TOLERANCE * left > most:
+                deepest, most = (pair, depth - left), depth - _TOLERANCE * left
+        return None if deepest is None else self._Describe(particle, *deepest)
+
+    def _Describe(
+        self, particle: int, pair: PenetrationAsPointPair, distance: float
+    ) -> _Penetration:
+        ids, owners = (pair.id_A, pair.id_B), self._model.owners
+        return _Penetration(
+            particle=particle,
+            objects=(owners.get(ids[0], -1), owners.get(ids[1], -1)),
+            fixed=not self._model.fixed_geometries.isdisjoint(ids),
+            normal=pair.nhat_BA_W,
+            p_WC=(pair.p_WCa + pair.p_WCb) / 2,
+            distance=distance,
+        )
+
+    def _Push(
+        self,
+        q: np.ndarray,
+        found: list[_Penetration],
+        supports: np.ndarray,
+        pushed: np.ndarray,
+        push: int,
+    ) -> None:
+        """Moves what penetrates, and notes what can't go back any more.
+
+        Args:
+            q: (m, nq) changed.
+            found: n penetrations, of different particles.
+            supports: (m, K, 3) as in PushOut.
+            pushed: (m, K, pushes, 3) changed.
+            push: the index of this push.
+        """
+        m = np.array([p.particle for p in found])
+        objects = np.array([p.objects for p in found])
+        normals = np.array([[p.normal, -p.normal] for p in found])
+        is_object = objects >= 0
+        ways = pushed[m[:, None], objects]
+        back = np.einsum("nspi,nsi->nsp", ways, normals).min(axis=2) <= -_BACK
+        free = is_object & ~back
+        free = np.where(free.any(axis=1, keepdims=True), free, is_object)
+        num_free = free.sum(axis=1)
+        # Of each object that moves: its penetration, and which side it is.
+        n, side = np.nonzero(free)
+        m, k, normals = m[n], objects[n, side], normals[n, side]
+        fixed = np.array([p.fixed for p in found])[n]
+        X_WO = m[:, None], self._model.object_q[k]
+        q[X_WO] = push_on_support(
+            q[X_WO],
+            self._masses.of(k),
+            p_WC=np.array([p.p_WC for p in found])[n],
+            normals=normals,
+            distances=(np.array([p.distance for p in found]) / num_free)[n],
+            supports=np.where(fixed[:, None], 0.0, supports[m, k]),
+        )
+        alone = num_free[n] == 1
+        pushed[m[alone], k[alone], push] = normals[alone]
 
 
 def is_too_deep(depth: np.ndarray, upwards: np.ndarray) -> np.ndarray:
@@ -77,66 +174,3 @@ def is_too_deep(depth: np.ndarray, upwards: np.ndarray) -> np.ndarray:
         upwards: (...) the z components of their normals.
     """
     return depth > _TOLERANCE * np.maximum(TOUCH, REST_DEPTH * np.abs(upwards))
-
-
-def _deepest(
-    model: ContactModel, pairs: Sequence[PenetrationAsPointPair]
-) -> tuple[PenetrationAsPointPair, float] | None:
-    """Returns what is the most too deep, and how far it has to be pushed."""
-    deepest, most = None, 0.0
-    links = model.link_geometries
-    for pair in pairs:
-        depth, left = pair.depth, TOUCH
-        if depth <= _TOLERANCE * TOUCH + most:
-            continue
-        if pair.id_A not in links and pair.id_B not in links:
-            left = max(TOUCH, REST_DEPTH * abs(float(pair.nhat_BA_W[2])))
-        if depth - _TOLERANCE * left > most:
-            deepest, most = (pair, depth - left), depth - _TOLERANCE * left
-    return deepest
-
-
-def _push(
-    model: ContactModel,
-    q: np.ndarray,
-    pair: PenetrationAsPointPair,
-    distance: float,
-    supports: np.ndarray,
-    pushed: list[list[np.ndarray]],
-) -> None:
-    """Moves what penetrates, and notes what can't go back any more.
-
-    Args:
-        model: the contact model.
-        q: (nq,) changed.
-        pair: what penetrates.
-        distance: the way that they have to go apart (in meters).
-        supports: (K, 3) as in PushOut.
-        pushed: the directions in which each object was pushed by what doesn't
-            give way; extended.
-    """
-    fixed = {pair.id_A, pair.id_B} & model.fixed_geometries
-    sides = [
-        (model.owners.get(pair.id_A), pair.nhat_BA_W),
-        (model.owners.get(pair.id_B), -pair.nhat_BA_W),
-    ]
-    free = [
-        k is not None and all(normal @ way > -_BACK for way in pushed[k])
-        for k, normal in sides
-    ]
-    if not any(free):
-        free = [k is not None for k, _ in sides]
-    for (k, normal), goes in zip(sides, free, strict=True):
-        if k is None or not goes:
-            continue
-        along = normal if fixed else _slide(normal, supports[k])
-        q[model.object_q[k, 4:]] += distance / sum(free) * along
-        if sum(free) == 1:
-            pushed[k].append(normal)
-
-
-def _slide(normal: np.ndarray, support: np.ndarray) -> np.ndarray:
-    """Returns the way along a support that goes 1 along a normal."""
-    along = normal - (normal @ support) * support
-    share = along @ along
-    return along / share if share >= _MIN_SLIDE else normal

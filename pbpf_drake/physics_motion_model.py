@@ -155,12 +155,12 @@ class PhysicsMotionModel:
             resolver = PenetrationResolver(
                 model, simulator.get_mutable_context()
             )
-            q = np.zeros(model.diagram.plant().num_positions())
-            q[model.link_q] = link_poses[list(chosen)]
-            for m in members:
-                q[model.object_q] = parked[m]
-                free = resolver.PushOut(q, supports[m])[model.object_q]
-                resolved[m, active] = free[active]
+            num_positions = model.diagram.plant().num_positions()
+            q = np.zeros((len(members), num_positions))
+            q[:, model.link_q] = link_poses[list(chosen)]
+            q[:, model.object_q] = parked[members]
+            free = resolver.PushOut(q, supports[members])[:, model.object_q]
+            resolved[np.ix_(members, active)] = free[:, active]
         return resolved
 
     def _Distances(

@@ -35,7 +35,7 @@ class _World:
         q = self.simulation.plant.GetPositions(self.simulation.plant_context)
         q[self.model.object_q] = poses
         before = q.copy()
-        after = self.resolver.PushOut(q, np.zeros((len(poses), 3)))
+        (after,) = self.resolver.PushOut(q[None], np.zeros((1, len(poses), 3)))
         np.testing.assert_array_equal(q, before)
         np.testing.assert_array_equal(
             after[self.model.link_q], before[self.model.link_q]
@@ -172,12 +172,48 @@ def test_what_stands_on_something_is_slid_not_lifted(block, stands):
     start[model.link_q[0]] = [*lean, 0.0, 0.0, 0.0]
     x = HALF_BLOCK + PROBE_RADIUS / np.cos(tilt) - 6e-3
     start[model.object_q[0]] = [*FLAT, x, 0.0, REST]
-    support = np.array([[0.0, 0.0, float(stands)]])
-    end = PenetrationResolver(model, block.context).PushOut(start, support)
+    support = np.array([[[0.0, 0.0, float(stands)]]])
+    (end,) = block.resolver.PushOut(start[None], support)
     moved = (end - start)[model.object_q[0, 4:]]
     assert moved[0] > 1e-3
     assert abs(moved[1]) < 1e-12
     assert (abs(moved[2]) < 1e-12) == stands
+
+
+@pytest.mark.parametrize("offset", [-0.03, 0.03])
+def test_what_is_pushed_off_its_centre_turns_as_by_a_push(block, offset):
+    """A square of side a pushed at b from its centre: δ b / (a²/6 + b²)."""
+    model, depth = block.model, 1e-3
+    q = block.simulation.plant.GetPositions(block.simulation.plant_context)
+    q[model.link_q[0]] = [*FLAT, 0.0, offset, 0.0]
+    x = PROBE_RADIUS + HALF_BLOCK - depth
+    q[model.object_q[0]] = [*FLAT, x, 0.0, REST]
+    (after,) = block.resolver.PushOut(q[None], np.array([[[0.0, 0.0, 1.0]]]))
+    block.simulation.plant.SetPositions(block.simulation.plant_context, after)
+    assert block.depth() < 2e-4
+    pose = after[model.object_q[0]]
+    turn = quaternions.to_rotation_vector(pose[:4])
+    # The push comes from the left: above the centre it turns clockwise.
+    expected = -depth * offset / ((2 * HALF_BLOCK) ** 2 / 6 + offset**2)
+    # All but the 0.08 mm that are left.
+    np.testing.assert_allclose(turn, [0.0, 0.0, expected], rtol=0.15, atol=1e-9)
+    assert pose[6] == REST
+
+
+def test_particles_are_pushed_as_one_by_one(two):
+    model, rng = two.model, np.random.default_rng(0)
+    start = two.simulation.plant.GetPositions(two.simulation.plant_context)
+    start[model.link_q[0]] = [*FLAT, 0.0, 0.0, 0.0]
+    q = np.tile(start, (30, 1))
+    q[:, model.object_q[0]] = [*FLAT, 0.05, 0.0, REST]
+    q[:, model.object_q[1]] = [*CAN_UPRIGHT, 0.12, 0.0, HEIGHTS["soup"]]
+    q[:, model.object_q[:, 4:6]] += rng.normal(0, 0.02, (30, 2, 2))
+    up = np.tile([0.0, 0.0, 1.0], (30, 2, 1))
+    together = two.resolver.PushOut(q, up)
+    assert np.count_nonzero((together != q).any(axis=1)) > 10
+    for m in range(30):
+        (alone,) = two.resolver.PushOut(q[m : m + 1], up[m : m + 1])
+        np.testing.assert_allclose(together[m], alone, rtol=0, atol=1e-12)
 
 
 def test_a_row_of_objects_is_pushed_through_at_once(two):
@@ -189,7 +225,7 @@ def test_a_row_of_objects_is_pushed_through_at_once(two):
     q = two.simulation.plant.GetPositions(two.simulation.plant_context)
     q[model.link_q[0]] = [*FLAT, 0.0, 0.0, 0.0]
     q[model.object_q] = [[*FLAT, *block], [*CAN_UPRIGHT, *can]]
-    after = two.resolver.PushOut(q, np.zeros((2, 3)))
+    (after,) = two.resolver.PushOut(q[None], np.zeros((1, 2, 3)))
     two.simulation.plant.SetPositions(two.simulation.plant_context, after)
     assert two.depth() < 1.5e-4
     moved = (after - q)[model.object_q[:, 4]]
