@@ -35,7 +35,7 @@ from pbpf_drake.prediction_model import MakePredictionModel
 
 @dataclass(frozen=True)
 class Case:
-    """So many particles, objects and threads."""
+    """So many particles, objects and threads (the filter has processes)."""
 
     particles: int
     objects: int
@@ -140,7 +140,7 @@ class Benchmark:
     def _Compare(self, case: Case, run: FilterRun) -> None:
         """Makes the reference for K objects, and the filter's own errors."""
         scene = LoadWorkload(case.objects).scene
-        config = replace(scene.filter, num_threads=max(self._options.threads))
+        config = replace(scene.filter, parallelism=max(self._options.threads))
         samples = make_samples(
             list(itertools.chain(*run.passes)),
             config.physics,

@@ -1,7 +1,7 @@
 """What the machine's cores are worth: independent processes that only compute.
 
 Two virtual cores may be two threads of one core, and others may use them too.
-So the filter's speed-up with threads is compared with that of processes which
+So the filter's speed-up with more processes is compared with that of some which
 have nothing in common, measured in the same run.
 """
 

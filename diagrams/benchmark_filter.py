@@ -132,7 +132,7 @@ class FilterBenchmark:
         self.config = replace(
             ConfigForMethod(workload.scene.filter, "pbpf-v"),
             num_particles=num_particles,
-            num_threads=num_threads,
+            parallelism=num_threads,
         )
         self._calls: list[Call] = []
         self._event = (0.0, 0.0)

@@ -1,6 +1,8 @@
 """How much memory the process holds, and whether that grows."""
 
 from collections.abc import Sequence
+import multiprocessing
+import os
 from pathlib import Path
 import resource
 import sys
@@ -8,17 +10,29 @@ import sys
 import numpy as np
 
 
-def MemoryInUse() -> int:
-    """Returns how much memory this process holds (in bytes).
+_ROLLUP = Path("/proc/self/smaps_rollup")
 
-    Outside Linux it is the most that it ever held.
+
+def MemoryInUse() -> int:
+    """Returns how much memory this process and its children hold (in bytes).
+
+    What processes share is divided among them. Outside Linux it is the most
+    that this process ever held.
     """
-    statistics = Path("/proc/self/statm")
-    if statistics.exists():
-        pages = int(statistics.read_text(encoding="ascii").split()[1])
-        return pages * resource.getpagesize()
+    if _ROLLUP.exists():
+        children = multiprocessing.active_children()
+        return sum(
+            _proportional_set_size(pid)
+            for pid in (os.getpid(), *(child.pid for child in children))
+        )
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return most if sys.platform == "darwin" else 1024 * most
+
+
+def _proportional_set_size(pid: int | None) -> int:
+    rollup = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii")
+    (line,) = (x for x in rollup.splitlines() if x.startswith("Pss:"))
+    return 1024 * int(line.split()[1])
 
 
 def memory_growth(updates: Sequence[int], memory: Sequence[int]) -> float:

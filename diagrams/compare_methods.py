@@ -58,7 +58,7 @@ def _track(
     scene = LoadScene(scene_file)
     joint_names = MakePredictionModel(scene).joint_names
     log = ReadLog(filename=log_file, scene=scene, joint_names=joint_names)
-    config = replace(DefaultConfig(scene, method), seed=seed, num_threads=1)
+    config = replace(DefaultConfig(scene, method), seed=seed, parallelism=1)
     record = Track(scene=scene, log=log, method=method, config=config)
     return MakeReport([record], log.ground_truth)["runs"][0]
 

@@ -144,7 +144,7 @@ def evaluation_config(
         config = replace(config, num_particles=evaluation.particles)
     seed = 1000 * evaluation.scene_run.run + evaluation.repeat
     count = replace(config.adaptive_count, to_period=False)
-    return replace(config, seed=seed, num_threads=1, adaptive_count=count)
+    return replace(config, seed=seed, parallelism=1, adaptive_count=count)
 
 
 def record(scene_run: SceneRun, code: str) -> bytes:

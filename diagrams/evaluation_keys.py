@@ -37,7 +37,7 @@ def evaluation_key(evaluation: Evaluation, log: bytes) -> dict[str, Any]:
     scene = _load_scene(evaluation.scene_run.scene)
     config = asdict(evaluation_config(evaluation, scene))
     # Results don't depend on it.
-    del config["num_threads"]
+    del config["parallelism"]
     return {
         "scene": _scene_digest(
             evaluation.scene_run.scene, without=("filter", "recording")

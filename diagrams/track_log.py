@@ -71,7 +71,7 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
 
 def _config(args: argparse.Namespace, scene: Scene) -> ParticleFilterConfig:
     config = replace(
-        DefaultConfig(scene, args.method), num_threads=args.threads
+        DefaultConfig(scene, args.method), parallelism=args.threads
     )
     if args.particles is not None:
         config = replace(config, num_particles=args.particles)

@@ -64,7 +64,7 @@ class MotionModel(Protocol):
     def MakeScratch(self) -> Any:
         """Returns work space that the other two may write to.
 
-        Nothing in it may influence a result. A deep copy must be possible.
+        Nothing in it may influence a result.
         """
 
     def Propagate(self, motion: MotionInput, scratch: Any) -> MotionResult:

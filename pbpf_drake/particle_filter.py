@@ -127,7 +127,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
             "dope_measurement", Value(DopeMeasurement())
         )
         self._DeclareStates(num_joints)
-        # Contexts and threads of the prediction: no information is in them.
+        # Contexts and processes of the models: no information is in them.
         self._scratch_index = self.DeclareCacheEntry(
             "scratch",
             ValueProducer(

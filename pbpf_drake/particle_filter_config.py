@@ -219,8 +219,10 @@ class ParticleFilterConfig:
     max_travel: float = 0.001
     # All randomness is a pure function of this and of the step.
     seed: int = 0
-    # Threads that simulate particles; results do not depend on it.
-    num_threads: int = 1
+    # So many processes share the particles: the filter's own, and copies of
+    # it that are made at the first update (on Linux; elsewhere it has none).
+    # Results do not depend on it.
+    parallelism: int = 1
 
     def ValidateOrThrow(self) -> None:
         """Raises ValueError, naming field, value and what was expected."""
@@ -246,7 +248,7 @@ class ParticleFilterConfig:
         )
         _require(self.seed >= 0, "seed", self.seed, "at least 0")
         _require(
-            self.num_threads >= 1, "num_threads", self.num_threads, "at least 1"
+            self.parallelism >= 1, "parallelism", self.parallelism, "at least 1"
         )
         self.process_noise.ValidateOrThrow("process_noise")
         self.initial_noise.ValidateOrThrow("initial_noise")

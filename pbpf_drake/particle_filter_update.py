@@ -65,7 +65,9 @@ class ParticleFilterUpdate:
         visibility = self._visibility_model
         return (
             self._motion_model.MakeScratch(),
-            visibility.MakeScratch() if visibility else None,
+            visibility.MakeScratch(self._config.parallelism)
+            if visibility
+            else None,
         )
 
     def Update(

@@ -4,37 +4,30 @@ x̄ = f_θ(x, u): every particle has a context of the contact model that was
 cloned with a θ of its own; links and objects are set, and physics runs.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+import itertools
+from typing import Any
 
 import numpy as np
-from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
 from pbpf_drake import quaternions
 from pbpf_drake.bounding_boxes import MakeBoundingBoxes
-from pbpf_drake.contact_model import ContactModel, MakeContactModel
 from pbpf_drake.fixed_contacts import FixedContacts
 from pbpf_drake.link_reach import link_distances
 from pbpf_drake.motion_model import MotionInput, MotionResult
 from pbpf_drake.parameter_bank import DrawParameterBank, deal_parameters
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
-from pbpf_drake.particle_simulation import (
-    MakeParticleSimulator,
-    choose_time_step,
-    make_states,
-    simulate,
-    split_states,
-)
-from pbpf_drake.penetration import TOUCH, PenetrationResolver
+from pbpf_drake.particle_physics import ParticlePhysics
+from pbpf_drake.particle_simulation import choose_time_step
+from pbpf_drake.penetration import TOUCH
 from pbpf_drake.penetration_check import PenetrationCheck
-from pbpf_drake.physical_parameters import (
-    PhysicalParameters,
-    SetPhysicalParameters,
-)
+from pbpf_drake.physical_parameters import PhysicalParameters
 from pbpf_drake.prediction_model import PredictionModel
-from pbpf_drake.prediction_pool import Links, PredictionPool
-from pbpf_drake.robot_links import LinkMotion, RobotLinks
+from pbpf_drake.prediction_pool import Links
+from pbpf_drake.process_crew import Crew
+from pbpf_drake.robot_links import RobotLinks
 from pbpf_drake.support import find_supports
 
 # A link that stays further away than this from where an object can be is not
@@ -51,11 +44,11 @@ class PhysicsScratch:
 
     Attributes:
         kinematics: a context of the prediction model's plant.
-        pool: the simulators.
+        crew: who simulates particles.
     """
 
     kinematics: Context
-    pool: PredictionPool
+    crew: Crew
 
 
 class PhysicsMotionModel:
@@ -82,7 +75,6 @@ class PhysicsMotionModel:
         self._radii = self._objects.radii(len(model.models.objects))
         self._contacts = FixedContacts(model)
         self._check = PenetrationCheck(model=model, contacts=self._contacts)
-        self._contact_models: dict[Links, ContactModel] = {}
         self._parameters = DrawParameterBank(config, len(model.models.objects))
 
     def parameters(self) -> PhysicalParameters:
@@ -94,11 +86,12 @@ class PhysicsMotionModel:
         return deal_parameters(self._config, step)
 
     def MakeScratch(self) -> PhysicsScratch:
-        """Returns an empty pool; its contexts are made when first used."""
+        """Returns a crew whose contexts are made when first used."""
         return PhysicsScratch(
             kinematics=self._model.diagram.plant().CreateDefaultContext(),
-            pool=PredictionPool(
-                make=self._MakeSimulator, num_threads=self._config.num_threads
+            crew=Crew(
+                ParticlePhysics(self._model, self._parameters),
+                self._config.parallelism,
             ),
         )
 
@@ -121,16 +114,23 @@ class PhysicsMotionModel:
             motion.poses, motion.active, links.poses, margin
         )
         everyone = np.ones(len(poses), dtype=bool)
-        for chosen, members in _groups(distances, everyone):
-            end[0][members], end[1][members] = self._Simulate(
-                chosen,
-                scratch.pool,
-                poses=poses[members],
-                velocities=velocities[members],
-                links=links.of(chosen),
-                time_steps=steps[members],
-                draws=self.assignment(motion.step)[members],
-            )
+        # Each process has the contexts of its own draws.
+        draws = self.assignment(motion.step)[: len(poses)]
+        for members, result in _spread(
+            scratch.crew,
+            ParticlePhysics.Simulate,
+            lambda chosen, members: {
+                "chosen": chosen,
+                "poses": poses[members],
+                "velocities": velocities[members],
+                "links": links.of(chosen),
+                "time_steps": steps[members],
+                "draws": draws[members],
+            },
+            groups=_groups(distances, everyone),
+            numbers=draws,
+        ):
+            end[0][members], end[1][members] = result
         return self._Result(motion, *end)
 
     def ResolvePenetration(
@@ -149,18 +149,19 @@ class PhysicsMotionModel:
         deep = (distances < -TOUCH).any(axis=1)
         deep |= self._check.MayPenetrate(poses, active)
         resolved, parked = poses.copy(), self._Park(poses, active)
-        for chosen, members in _groups(distances, deep):
-            model = self._ContactModel(chosen)
-            simulator = scratch.pool.Simulators(chosen).Get(0)
-            resolver = PenetrationResolver(
-                model, simulator.get_mutable_context()
-            )
-            num_positions = model.diagram.plant().num_positions()
-            q = np.zeros((len(members), num_positions))
-            q[:, model.link_q] = link_poses[list(chosen)]
-            q[:, model.object_q] = parked[members]
-            free = resolver.PushOut(q, supports[members])[:, model.object_q]
-            resolved[np.ix_(members, active)] = free[:, active]
+        for members, result in _spread(
+            scratch.crew,
+            ParticlePhysics.PushOut,
+            lambda chosen, members: {
+                "chosen": chosen,
+                "link_poses": link_poses[list(chosen)],
+                "poses": parked[members],
+                "supports": supports[members],
+            },
+            groups=_groups(distances, deep),
+            numbers=np.arange(len(poses)),
+        ):
+            resolved[np.ix_(members, active)] = result[:, active]
         return resolved
 
     def _Distances(
@@ -187,44 +188,6 @@ class PhysicsMotionModel:
         corners = speed + spin * self._radii[motion.active]
         return corners.max(axis=1, initial=0.0)
 
-    def _Simulate(
-        self,
-        chosen: Links,
-        pool: PredictionPool,
-        *,
-        poses: np.ndarray,
-        velocities: np.ndarray,
-        links: LinkMotion,
-        time_steps: np.ndarray,
-        draws: np.ndarray,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Returns where m particles go, (m, K, 7) and (m, K, 6).
-
-        Both are NaN where the simulation failed.
-        """
-        model, simulators = self._ContactModel(chosen), pool.Simulators(chosen)
-        states = make_states(
-            model, poses=poses, velocities=velocities, links=links
-        )
-
-        def simulate_one(m: int) -> None:
-            try:
-                states[m] = simulate(
-                    model,
-                    simulators.Get(draws[m]),
-                    state=states[m],
-                    links=links,
-                    time_step=time_steps[m],
-                )
-            # The solver gave up on this particle; Drake's own assertions are
-            # of the second type. What it left behind must not be used again.
-            except (RuntimeError, SystemExit):
-                simulators.Discard(draws[m])
-                states[m] = np.nan
-
-        pool.Run(simulate_one, range(len(states)))
-        return split_states(model, states)
-
     def _Result(
         self, motion: MotionInput, poses: np.ndarray, velocities: np.ndarray
     ) -> MotionResult:
@@ -247,25 +210,6 @@ class PhysicsMotionModel:
             supports=find_supports(contacts, *poses.shape[:2]),
             failed=failed,
         )
-
-    def _ContactModel(self, links: Links) -> ContactModel:
-        if links not in self._contact_models:
-            self._contact_models[links] = MakeContactModel(self._model, links)
-        return self._contact_models[links]
-
-    def _MakeSimulator(self, links: Links, index: int) -> Simulator:
-        model = self._ContactModel(links)
-        context = model.diagram.CreateDefaultContext()
-        for k in range(len(model.objects)):
-            SetPhysicalParameters(
-                model=model,
-                context=context,
-                k=k,
-                friction=self._parameters.friction[index, k],
-                mass=self._parameters.mass[index, k],
-                dissipation=self._parameters.dissipation[index, k],
-            )
-        return MakeParticleSimulator(model, context)
 
     def _Park(self, poses: np.ndarray, active: np.ndarray) -> np.ndarray:
         """Returns (M, K, 7), with objects that aren't tracked yet away."""
@@ -293,3 +237,38 @@ def _groups(
     for links, members in ((chosen, reached), ((), which & ~reached)):
         if members.any():
             yield links, np.flatnonzero(members)
+
+
+def _spread(
+    crew: Crew,
+    function: Callable[..., Any],
+    arguments: Callable[[Links, np.ndarray], dict[str, Any]],
+    *,
+    groups: Iterable[tuple[Links, np.ndarray]],
+    numbers: np.ndarray,
+) -> Iterator[tuple[np.ndarray, Any]]:
+    """Yields particles and what a function makes of them, all in one go.
+
+    Args:
+        crew: the processes that call it.
+        function: a method of ParticlePhysics.
+        arguments: returns those of links and indices of particles.
+        groups: links and particles, from _groups.
+        numbers: (M,) by which the particles are dealt out to the processes.
+    """
+    every, owners = list(groups), numbers % crew.size
+    shares = [
+        [
+            (chosen, members[owners[members] == i])
+            for chosen, members in every
+            if (owners[members] == i).any()
+        ]
+        for i in range(crew.size)
+    ]
+    results = crew.Run(
+        function, [[arguments(*part) for part in share] for share in shares]
+    )
+    for (_, members), result in zip(
+        itertools.chain(*shares), itertools.chain(*results), strict=True
+    ):
+        yield members, result

@@ -1,11 +1,10 @@
-"""One simulator per particle, and the threads that run them.
+"""One simulator per particle, for each set of links that is near.
 
 The pool is scratch space: every call sets everything that it depends on, so
-it has no memory, and a copy of it is simply an empty one.
+it has no memory.
 """
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
 
 from pydrake.systems.analysis import Simulator
 
@@ -20,19 +19,11 @@ class PredictionPool:
 
     Args:
         make: makes a simulator, of some links and of a particle's index.
-        num_threads: how many threads run them.
     """
 
-    def __init__(
-        self, *, make: Callable[[Links, int], Simulator], num_threads: int
-    ) -> None:
+    def __init__(self, make: Callable[[Links, int], Simulator]) -> None:
         self._make = make
-        self._num_threads = num_threads
         self._simulators: dict[Links, dict[int, Simulator]] = {}
-        self._executor: ThreadPoolExecutor | None = None
-
-    def __deepcopy__(self, memo: dict) -> "PredictionPool":
-        return PredictionPool(make=self._make, num_threads=self._num_threads)
 
     def Simulators(self, links: Links) -> "Simulators":
         """Returns the simulators with these links.
@@ -44,24 +35,6 @@ class PredictionPool:
         while len(self._simulators) > _MAX_LINKS:
             self._simulators.pop(next(iter(self._simulators)))
         return Simulators(lambda index: self._make(links, index), kept)
-
-    def Run(self, work: Callable[[int], None], indices: Sequence[int]) -> None:
-        """Calls ``work`` for every index, spread over the threads."""
-        if self._num_threads == 1:
-            for index in indices:
-                work(index)
-            return
-        if self._executor is None:
-            self._executor = ThreadPoolExecutor(self._num_threads)
-        rest = iter(indices)  # Whoever is done takes the next.
-
-        def run() -> None:
-            for index in rest:
-                work(index)
-
-        runs = [self._executor.submit(run) for _ in range(self._num_threads)]
-        for future in runs:
-            future.result()
 
 
 class Simulators:

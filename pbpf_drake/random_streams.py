@@ -1,7 +1,7 @@
 """Randomness as a pure function of (seed, step, stream).
 
 No generator is kept anywhere: each use makes its own, so a context that was
-cloned in mid-run continues identically, and no draw depends on threads.
+cloned in mid-run continues identically, and no draw depends on who makes it.
 """
 
 from enum import IntEnum

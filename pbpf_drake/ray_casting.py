@@ -25,7 +25,7 @@ class OccluderSet:
     """Geometries that are the same for all rays, such as a robot's.
 
     It keeps the shapes, so that casting again only asks for their poses. It
-    never changes and can be shared by threads.
+    never changes.
     """
 
     def __init__(
@@ -70,14 +70,18 @@ class OccluderSet:
         p_OG = np.array([X.translation() for X in X_WG]) - origin
         d = (targets - origin).reshape(-1, 3)
         may_hit = np.flatnonzero(_near_cone(d, p_OG, self._radii))
-        near = _near_balls(d, p_OG[may_hit], self._radii[may_hit])
+        near = _near_balls(
+            targets - origin, p_OG[may_hit], self._radii[may_hit]
+        ).reshape(len(d), -1)
         t = first.reshape(-1)
         for i, rays_near in zip(may_hit, near.T, strict=True):
             rays = np.flatnonzero(rays_near)
             if not len(rays):
                 continue
             R_WG = X_WG[i].rotation().matrix()
-            hits = self._shapes[i].intersect(-p_OG[i] @ R_WG, d[rays] @ R_WG)
+            hits = self._shapes[i].intersect(
+                -p_OG[i] @ R_WG, _turned(d[rays], R_WG)
+            )
             t[rays] = np.minimum(t[rays], hits)
         return np.where(first <= 1, first, np.inf)
 
@@ -162,7 +166,16 @@ def _near_cone(
 def _near_balls(
     d: np.ndarray, p_OG: np.ndarray, radii: np.ndarray
 ) -> np.ndarray:
-    """Returns which rays from 0 along d (N, 3) may hit which ball, (N, G)."""
+    """Returns which rays from 0 along d may hit which ball, (..., N, G).
+
+    The product of a large matrix would wake the threads of numpy's BLAS, which
+    then keep the other cores busy for a while; those of small ones don't.
+
+    Args:
+        d: (..., N, 3), with a small N.
+        p_OG: (G, 3) the balls' centres.
+        radii: (G,).
+    """
     length = np.linalg.norm(d, axis=-1, keepdims=True)
     distance = np.linalg.norm(p_OG, axis=-1)
     # From outside, a ray that touches the ball has come this far; the slack
@@ -171,3 +184,8 @@ def _near_balls(
     tangent[distance <= radii] = -np.inf
     tangent[distance - radii > np.max(length) + 1e-6] = np.inf
     return (d / np.maximum(length, 1e-300)) @ p_OG.T >= tangent
+
+
+def _turned(d: np.ndarray, R: np.ndarray) -> np.ndarray:
+    """Returns d @ R, (N, 3): the same bits, however many rays there are."""
+    return d[:, :1] * R[0] + d[:, 1:2] * R[1] + d[:, 2:] * R[2]

@@ -5,6 +5,7 @@ the models have with the proximity role, exactly as the files say it.
 """
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from pydrake.geometry import GeometryId, QueryObject
@@ -14,6 +15,7 @@ from pydrake.systems.framework import Context
 
 from pbpf_drake import quaternions
 from pbpf_drake.particle_filter_config import VisibilityConfig
+from pbpf_drake.process_crew import Crew
 from pbpf_drake.ray_casting import CastRays, OccluderSet, RayBody
 from pbpf_drake.scene import CameraConfig, Scene
 from pbpf_drake.scene_models import AddSceneModels
@@ -70,7 +72,7 @@ class VisibilityModel:
     The object does not hide its own back: a ray to a point there hits the
     object at its front. A target outside the image is not hit.
 
-    The model never changes. Threads can share it if each has its own scratch.
+    The model never changes. Whoever shares it needs a scratch of their own.
     """
 
     def __init__(self, *, scene: Scene, num_rays: int):
@@ -108,9 +110,13 @@ class VisibilityModel:
         ):
             self._AddObject(scene, name, body)
 
-    def MakeScratch(self) -> Context:
-        """Returns what Score computes in; each thread needs its own."""
-        return self._diagram.CreateDefaultContext()
+    def MakeScratch(self, parallelism: int = 1) -> Crew:
+        """Returns who computes Score, and in what.
+
+        Args:
+            parallelism: so many processes share the particles.
+        """
+        return Crew(_RayCaster(self), parallelism)
 
     def Score(
         self,
@@ -119,7 +125,7 @@ class VisibilityModel:
         active: np.ndarray,
         robot_positions: np.ndarray,
         rng: np.random.Generator,
-        scratch: Context,
+        scratch: Crew,
     ) -> np.ndarray:
         """Returns the visibility v of every object of every particle.
 
@@ -138,15 +144,51 @@ class VisibilityModel:
         """
         tracked = np.flatnonzero(active)
         p_OT = np.stack([s.sample(rng, self._num_rays) for s in self._surfaces])
-        particles = particles[:, tracked]
+        shares = np.array_split(particles[:, tracked], scratch.size)
+        arguments = {
+            "tracked": tracked,
+            "p_OT": p_OT[tracked],
+            "robot_positions": robot_positions,
+        }
+        results = scratch.Run(
+            _RayCaster.Score,
+            [
+                [{"particles": share, **arguments}] if len(share) else []
+                for share in shares
+            ],
+        )
+        scores = np.ones((len(particles), len(active)))
+        scores[:, tracked] = np.concatenate(sum(results, []))
+        return scores
+
+    def ScoreParticles(
+        self,
+        particles: np.ndarray,
+        *,
+        tracked: np.ndarray,
+        p_OT: np.ndarray,
+        robot_positions: np.ndarray,
+        context: Context,
+    ) -> np.ndarray:
+        """Returns the share of points that the camera sees, (m, T).
+
+        Args:
+            particles: (m, T, 7 or more), as in Score, of the tracked objects.
+            tracked: (T,) indices of these objects.
+            p_OT: (T, R, 3) points on their surfaces (in meters).
+            robot_positions: (n,), the robot's joint positions.
+            context: from MakeContext; what is in it does not matter.
+        """
         p_WT = particles[:, :, None, 4:7] + quaternions.rotate(
-            particles[:, :, None, :4], p_OT[tracked]
+            particles[:, :, None, :4], p_OT
         )
         hit = in_image(self._InCamera(p_WT), self._camera)
-        hit &= self._Reached(particles, tracked, p_WT, robot_positions, scratch)
-        scores = np.ones((len(particles), len(active)))
-        scores[:, tracked] = np.mean(hit, axis=-1)
-        return scores
+        hit &= self._Reached(particles, tracked, p_WT, robot_positions, context)
+        return np.mean(hit, axis=-1)
+
+    def MakeContext(self) -> Context:
+        """Returns what ScoreParticles computes in."""
+        return self._diagram.CreateDefaultContext()
 
     def _Reached(
         self,
@@ -154,10 +196,10 @@ class VisibilityModel:
         tracked: np.ndarray,
         p_WT: np.ndarray,
         robot_positions: np.ndarray,
-        scratch: Context,
+        context: Context,
     ) -> np.ndarray:
         """Returns which rays enter their own object first, (M, K, R)."""
-        hidden_at = self._CastAtRobotAndFixed(p_WT, robot_positions, scratch)
+        hidden_at = self._CastAtRobotAndFixed(p_WT, robot_positions, context)
         own = np.empty_like(hidden_at)
         for k, body in enumerate(tracked):
             t = self._bodies[body].Cast(
@@ -169,26 +211,26 @@ class VisibilityModel:
         return own <= hidden_at
 
     def _CastAtRobotAndFixed(
-        self, p_WT: np.ndarray, robot_positions: np.ndarray, scratch: Context
+        self, p_WT: np.ndarray, robot_positions: np.ndarray, context: Context
     ) -> np.ndarray:
         """Returns t of the first hit, (M, K, R), or inf."""
         plant = self._diagram.plant()
         plant.SetPositions(
-            self._diagram.mutable_plant_context(scratch),
+            self._diagram.mutable_plant_context(context),
             self._robot,
             robot_positions,
         )
         return self._occluders.Cast(
-            query_object=self._QueryObject(scratch),
+            query_object=self._QueryObject(context),
             origin=self._origin,
             targets=p_WT,
         )
 
-    def _QueryObject(self, scratch: Context) -> QueryObject:
+    def _QueryObject(self, context: Context) -> QueryObject:
         return (
             self._diagram.scene_graph()
             .get_query_output_port()
-            .Eval(self._diagram.scene_graph_context(scratch))
+            .Eval(self._diagram.scene_graph_context(context))
         )
 
     def _InCamera(self, p_WT: np.ndarray) -> np.ndarray:
@@ -206,7 +248,7 @@ class VisibilityModel:
         ]
 
     def _CheckCamera(self, scene: Scene, fixed: list[GeometryId]) -> None:
-        query_object = self._QueryObject(self.MakeScratch())
+        query_object = self._QueryObject(self.MakeContext())
         for geometry in fixed:
             t = CastRays(
                 query_object=query_object,
@@ -232,3 +274,15 @@ class VisibilityModel:
         X_BG = [self._inspector.GetPoseInFrame(g) for g in geometries]
         self._bodies.append(RayBody(shapes=shapes, X_BG=X_BG))
         self._surfaces.append(BodySurface(shapes=shapes, X_BG=X_BG))
+
+
+class _RayCaster:
+    """A context of a visibility model, for one process."""
+
+    def __init__(self, model: VisibilityModel) -> None:
+        self._model = model
+        self._context = model.MakeContext()
+
+    def Score(self, **arguments: Any) -> np.ndarray:
+        """Returns VisibilityModel.ScoreParticles of these arguments."""
+        return self._model.ScoreParticles(**arguments, context=self._context)

@@ -153,7 +153,7 @@ def test_nothing_is_left_out(theirs):
 
 def test_the_track_is_the_same(ours, theirs, scene, authors_scene):
     config = replace(
-        DefaultConfig(scene, "pbpf"), num_particles=5, num_threads=2
+        DefaultConfig(scene, "pbpf"), num_particles=5, parallelism=2
     )
     poses = [
         Track(

@@ -1,3 +1,6 @@
+import multiprocessing
+import sys
+
 import numpy as np
 import pytest
 
@@ -16,3 +19,25 @@ def test_growth_is_the_slope_of_the_second_half():
     memory = np.maximum(1e8 + 5e4 * updates, 1.4e8) + 200.0 * updates
     memory[updates >= 1000] = 1.5e8 + 200.0 * updates[updates >= 1000]
     assert memory_growth(updates, memory) == pytest.approx(200.0)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_what_children_hold_counts_and_what_is_shared_counts_once():
+    kept = np.ones(50_000_000 // 8)
+    before = MemoryInUse()
+    context = multiprocessing.get_context("fork")
+    ready, done = context.Event(), context.Event()
+
+    def hold() -> None:
+        own = kept + 1.0
+        ready.set()
+        done.wait(30)
+        assert own[0] == 2.0
+
+    child = context.Process(target=hold)
+    child.start()
+    assert ready.wait(30)
+    grown = MemoryInUse() - before
+    done.set()
+    child.join()
+    assert 4e7 < grown < 9e7

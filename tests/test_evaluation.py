@@ -116,7 +116,7 @@ def test_the_key_of_a_result_changes_with_all_that_it_depends_on(monkeypatch):
     monkeypatch.setattr(evaluation_keys, "evaluation_code", lambda: "other")
     keys.append(evaluation_key(PBPF, b"log"))
     assert all(keys.count(k) == 1 for k in keys)
-    assert "num_threads" not in key["config"]
+    assert "parallelism" not in key["config"]
 
 
 def _own_scene(folder: Path, **changes: str) -> str:

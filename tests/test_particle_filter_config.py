@@ -55,7 +55,7 @@ def test_defaults_are_the_papers():
         ("motion", "magic"),
         ("motion", ""),
         ("seed", -1),
-        ("num_threads", 0),
+        ("parallelism", 0),
     ],
 )
 def test_a_bad_value_is_named_with_its_field(field, bad):

@@ -52,7 +52,7 @@ def test_the_same_seed_gives_the_same_bits_and_another_does_not(scene, motion):
 @pytest.mark.parametrize("count", COUNTS, ids=["all", "adaptive"])
 def test_one_and_two_threads_agree_to_the_bit(scene, count):
     first, second = (
-        push(_make(scene, num_threads=n, adaptive_count=count), range(1, 5))
+        push(_make(scene, parallelism=n, adaptive_count=count), range(1, 5))
         for n in (1, 2)
     )
     assert_same(first, second)

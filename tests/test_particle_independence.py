@@ -48,9 +48,9 @@ BAD_STATES = {
 
 
 @pytest.mark.parametrize("state", BAD_STATES)
-@pytest.mark.parametrize("num_threads", [1, 2])
-def test_a_particle_that_fails_costs_only_itself(block, state, num_threads):
-    config = _config(6, num_threads=num_threads)
+@pytest.mark.parametrize("parallelism", [1, 2])
+def test_a_particle_that_fails_costs_only_itself(block, state, parallelism):
+    config = _config(6, parallelism=parallelism)
     dut = PhysicsMotionModel(model=block, config=config)
     poses, path = blocks_in_the_way(6), straight_path(TOUCHING, [0.1, 0.0])
     velocities, scratch = still(poses), dut.MakeScratch()

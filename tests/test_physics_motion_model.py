@@ -37,7 +37,7 @@ def test_every_draw_is_dealt_to_one_particle_anew_at_every_step(block):
     dut = PhysicsMotionModel(model=block, config=_config(50))
     for step in range(5):
         assert sorted(dut.assignment(step)) == list(range(50))
-    twin = PhysicsMotionModel(model=block, config=_config(50, num_threads=2))
+    twin = PhysicsMotionModel(model=block, config=_config(50, parallelism=2))
     other = PhysicsMotionModel(model=block, config=_config(50, seed=1))
     np.testing.assert_array_equal(dut.assignment(3), twin.assignment(3))
     assert np.any(dut.assignment(3) != dut.assignment(4))
@@ -90,14 +90,14 @@ def test_blocks_slide_as_far_as_coulomb_says(block, friction):
     np.testing.assert_allclose(result.supports[:, 0], [[0, 0, 1]] * 3)
 
 
-def test_results_depend_on_neither_threads_nor_memory(block):
+def test_results_depend_on_neither_processes_nor_memory(block):
     poses, path = blocks_in_the_way(24), straight_path(TOUCHING, [0.1, 0.0])
     motion = make_motion(poses, still(poses), path, step=5)
     junk = make_motion(
         poses + 0.01, still(poses) + 1.0, straight_path(AWAY, [1.0, 0.0])
     )
     one = PhysicsMotionModel(model=block, config=_config(24))
-    two = PhysicsMotionModel(model=block, config=_config(24, num_threads=2))
+    two = PhysicsMotionModel(model=block, config=_config(24, parallelism=2))
     expected = one.Propagate(motion, one.MakeScratch())
     assert np.ptp(expected.poses[:, 0, 4]) > 1e-3
     for dut in one, two:
@@ -144,20 +144,6 @@ def test_what_the_robot_did_within_the_period_counts(block):
     # It slides on for less than 0.15² / (2 · 0.8 · 9.81) = 1.4 mm.
     np.testing.assert_array_less(0.0115, moved)
     np.testing.assert_array_less(moved, 0.0145)
-
-
-def test_the_robot_ends_where_its_path_ends(block):
-    rng = np.random.default_rng(0)
-    q = TOUCHING + np.cumsum(rng.uniform(-0.004, 0.006, (9, 2)), axis=0)
-    path = ControlPath(np.linspace(3.0, 3.16, 9), q)
-    dut = PhysicsMotionModel(model=block, config=_config(6))
-    poses, scratch = blocks_in_the_way(6), dut.MakeScratch()
-    dut.Propagate(make_motion(poses, still(poses), path), scratch)
-    links = scratch.pool.Simulators((0,))
-    for m in range(6):
-        context = links.Get(m).get_context()
-        x = context.get_continuous_state_vector().CopyToVector()
-        np.testing.assert_allclose(x[4:6], q[-1], atol=1e-5)
 
 
 def test_a_path_of_one_point_takes_no_time(block):

@@ -78,7 +78,7 @@ def test_no_two_evaluations_of_a_method_have_the_same_seed():
 
 def test_the_filters_are_the_scenes_with_one_thread():
     scene = LoadScene(FOLDER / "cheezit_gelatin_soup.yaml")
-    scene.filter.num_threads = 4
+    scene.filter.parallelism = 4
 
     def config(method: str, particles: int | None = None):
         run = SceneRun("cheezit_gelatin_soup", 0)
@@ -88,7 +88,7 @@ def test_the_filters_are_the_scenes_with_one_thread():
     assert config("pbpf-v").use_visibility
     assert config("cvpf").motion == "constant_velocity"
     assert config("cvpf", 7).num_particles == 7
-    assert config("pbpf").num_threads == 1
+    assert config("pbpf").parallelism == 1
 
 
 def test_costs_grow_with_the_work():

@@ -57,7 +57,7 @@ def errors(scene, log):
                 scene=scene,
                 log=log,
                 method=method,
-                config=replace(DefaultConfig(scene, method), num_threads=2),
+                config=replace(DefaultConfig(scene, method), parallelism=2),
             ),
             "block",
             log.ground_truth["block"],

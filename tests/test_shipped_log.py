@@ -70,7 +70,7 @@ def log(scene):
 
 def _states(scene, log, method: str) -> dict[str, np.ndarray]:
     """Returns poses, velocities and estimates after each update."""
-    config = replace(DefaultConfig(scene, method), num_threads=2)
+    config = replace(DefaultConfig(scene, method), parallelism=2)
     tracking = MakeTrackingDiagram(
         scene=scene, log=log, method=method, config=config
     )

@@ -134,7 +134,7 @@ def _numbers(out) -> dict:
     for run in report["runs"]:
         run.pop("update_time_ms")
         run.pop("late_updates")
-        run["config"].pop("num_threads", None)
+        run["config"].pop("parallelism", None)
     return report
 
 

@@ -94,7 +94,7 @@ def test_a_scene_whose_models_are_missing_is_refused(push, tmp_path, capsys):
         ("--particles", "0", "num_particles is 0"),
         ("--particles", "-1", "num_particles is -1"),
         ("--seed", "-1", "seed is -1"),
-        ("--threads", "0", "num_threads is 0"),
+        ("--threads", "0", "parallelism is 0"),
     ],
 )
 def test_a_number_that_can_not_be_is_refused(

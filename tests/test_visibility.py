@@ -1,5 +1,3 @@
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
 
@@ -212,16 +210,16 @@ def test_state_behind_the_poses_is_not_used(tmp_path):
     )
 
 
-def test_threads_with_their_own_scratch_agree_with_one_thread(tmp_path):
+@pytest.mark.parametrize("parallelism", [2, 3, 40])
+def test_processes_agree_with_one_to_the_bit(tmp_path, parallelism):
     model, particles = _crowd(tmp_path)
-    joints = np.linspace(0, 3, 16)
-    serial = [_score(model, particles, q=q) for q in joints]
-    with ThreadPoolExecutor(4) as pool:
-        threaded = list(
-            pool.map(lambda q: _score(model, particles, q=q), joints)
-        )
-    np.testing.assert_array_equal(serial, threaded)
-    assert len(np.unique(np.sum(serial, axis=(1, 2)))) > 2
+    scratch = model.MakeScratch(parallelism)
+    alone = [_score(model, particles, q=q) for q in (0.0, 1.5)]
+    shared = [
+        _score(model, particles, q=q, scratch=scratch) for q in (0.0, 1.5)
+    ]
+    np.testing.assert_array_equal(alone, shared)
+    assert len(np.unique(alone)) > 10
 
 
 def test_the_seed_decides_the_points(tmp_path):

@@ -1,0 +1,202 @@
+"""Crews of real processes, some of which die."""
+
+from functools import partial
+import gc
+import logging
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from pbpf_drake.process_crew import Crew
+
+
+class Counter:
+    """Counts how often it was asked."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def Add(self, x: int) -> tuple[int, int, int]:
+        self.count += 1
+        return os.getpid(), self.count, x
+
+    def Fail(self, x: int) -> float:
+        return 1 / x
+
+    def Die(self, only_in: int) -> int:
+        if os.getpid() != only_in:
+            os._exit(1)
+        return only_in
+
+    def Return(self, x: int) -> object:
+        return (lambda: x) if x else 0  # A function can't be sent.
+
+    def Sleep(self, seconds: float) -> int:
+        time.sleep(seconds)
+        return os.getpid()
+
+
+def _arguments(*values: int) -> list[dict[str, int]]:
+    return [{"x": x} for x in values]
+
+
+def test_each_process_does_its_own_share_in_order():
+    crew = Crew(Counter(), 3)
+    shares = [_arguments(1, 2), _arguments(3, 4, 5), _arguments(6)]
+    results = crew.Run(Counter.Add, shares)
+    assert [[x for _, _, x in r] for r in results] == [[1, 2], [3, 4, 5], [6]]
+    pids = [{pid for pid, _, _ in r} for r in results]
+    assert all(len(p) == 1 for p in pids)
+    assert pids[0] == {os.getpid()}
+    assert len(set.union(*pids)) == 3
+
+
+def test_processes_are_kept_and_have_targets_of_their_own():
+    crew = Crew(Counter(), 2)
+    first = crew.Run(Counter.Add, [_arguments(0), _arguments(0, 0)])
+    second = crew.Run(Counter.Add, [_arguments(0), _arguments(0)])
+    assert first[1][0][0] == second[1][0][0]
+    assert [count for _, count, _ in first[0] + second[0]] == [1, 2]
+    assert [count for _, count, _ in first[1] + second[1]] == [1, 2, 3]
+
+
+def test_nobody_is_made_who_has_nothing_to_do():
+    crew = Crew(Counter(), 4)
+    before = multiprocessing.active_children()
+    assert crew.Run(Counter.Add, [_arguments(1), [], [], []])[1:] == [[]] * 3
+    assert multiprocessing.active_children() == before
+
+
+def test_processes_work_at_the_same_time():
+    crew = Crew(Counter(), 3)
+    share = [{"seconds": 0.3}]
+    crew.Run(Counter.Sleep, [[{"seconds": 0.0}]] * 3)
+    start = time.monotonic()
+    crew.Run(Counter.Sleep, [share] * 3)
+    assert time.monotonic() - start < 0.75
+
+
+@pytest.mark.parametrize("shares", [[[0], [1]], [[1], [0]], [[0], [0]]])
+def test_what_goes_wrong_anywhere_is_raised_and_the_crew_goes_on(shares):
+    crew = Crew(Counter(), 2)
+    with pytest.raises(ZeroDivisionError):
+        crew.Run(Counter.Fail, [_arguments(*share) for share in shares])
+    assert crew.Run(Counter.Fail, [_arguments(1), _arguments(2)]) == [
+        [1.0],
+        [0.5],
+    ]
+
+
+def test_the_share_of_one_that_dies_is_done_here_and_it_is_replaced(caplog):
+    crew, here = Crew(Counter(), 3), os.getpid()
+    with caplog.at_level(logging.WARNING):
+        results = crew.Run(Counter.Die, [[{"only_in": here}]] * 3)
+    assert results == [[here]] * 3
+    assert len(caplog.records) == 2
+    again = crew.Run(Counter.Add, [_arguments(7)] * 3)
+    assert len({pid for ((pid, _, _),) in again}) == 3
+
+
+def test_one_that_was_killed_in_between_is_replaced():
+    crew = Crew(Counter(), 2)
+    ((_, ((victim, _, _),))) = crew.Run(Counter.Add, [_arguments(1)] * 2)
+    os.kill(victim, signal.SIGKILL)
+    time.sleep(0.2)
+    _, ((pid, _, x),) = crew.Run(Counter.Add, [_arguments(1), _arguments(5)])
+    assert (pid, x) == (os.getpid(), 5)
+    _, ((pid, _, _),) = crew.Run(Counter.Add, [_arguments(1)] * 2)
+    assert pid not in (os.getpid(), victim)
+
+
+def test_an_answer_that_cannot_be_sent_is_made_here():
+    _, (answer,) = Crew(Counter(), 2).Run(
+        Counter.Return, [_arguments(0), _arguments(3)]
+    )
+    assert answer() == 3
+
+
+def test_an_interrupt_leaves_no_answer_behind():
+    crew = Crew(Counter(), 2)
+    crew.Run(Counter.Add, [_arguments(1), _arguments(1)])
+    helper = crew._helpers[1]
+    helper.Ask(Counter.Add, _arguments(41))  # Nobody waits for it.
+    _, ((_, _, x),) = crew.Run(Counter.Add, [_arguments(1), _arguments(42)])
+    assert x == 42
+
+
+def test_processes_end_with_their_crew():
+    crew, other = Crew(Counter(), 2), Crew(Counter(), 2)
+    for each in crew, other:
+        each.Run(Counter.Add, [_arguments(1)] * 2)
+    (process,) = [
+        p
+        for p in multiprocessing.active_children()
+        if p.pid == crew.Run(Counter.Add, [_arguments(1)] * 2)[1][0][0]
+    ]
+    del crew, each
+    gc.collect()
+    process.join(timeout=5.0)
+    assert process.exitcode == 0
+    assert len(other.Run(Counter.Add, [_arguments(1)] * 2)) == 2
+
+
+_SCRIPT = """
+import time
+import crew_functions
+from pbpf_drake.process_crew import Crew
+crew = Crew(None, 3)
+pids = crew.Run(crew_functions.pid, [[{}]] * 3)
+print(*(pid for (pid,) in pids), flush=True)
+time.sleep(60)
+"""
+
+
+def _is_alive(pid: int) -> bool:
+    try:
+        with open(f"/proc/{pid}/stat", encoding="ascii") as file:
+            return file.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_no_process_outlives_the_one_it_works_for(how, tmp_path):
+    (tmp_path / "crew_functions.py").write_text(
+        "import os\n\n\ndef pid(target):\n    return os.getpid()\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", _SCRIPT],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+    ) as script:
+        pids = [int(pid) for pid in script.stdout.readline().split()]
+        assert len(set(pids)) == 3
+        script.send_signal(how)
+    end = time.monotonic() + 10
+    while any(map(_is_alive, pids)) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not any(map(_is_alive, pids))
+
+
+def test_a_daemonic_process_does_everything_itself():
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    process = context.Process(
+        target=partial(_run_in_daemon, queue), daemon=True
+    )
+    process.start()
+    pid, pids = queue.get(timeout=30)
+    process.join()
+    assert pids == {pid}
+
+
+def _run_in_daemon(queue) -> None:
+    results = Crew(Counter(), 2).Run(Counter.Add, [_arguments(1)] * 2)
+    queue.put((os.getpid(), {pid for part in results for pid, _, _ in part}))
