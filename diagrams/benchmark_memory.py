@@ -9,7 +9,6 @@ import sys
 
 import numpy as np
 
-
 _ROLLUP = Path("/proc/self/smaps_rollup")
 
 

@@ -55,8 +55,8 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     add("--objects", type=int, nargs="+", choices=WORKLOADS, metavar="K",
         default=list(WORKLOADS), help="numbers of objects, 1 or 3")  # fmt: skip
     add("--threads", type=_positive, nargs="+", metavar="N",
-        default=sorted({1, cores}), help="numbers of threads, or of the filter's "
-        "processes")  # fmt: skip
+        default=sorted({1, cores}), help="numbers of threads, "
+        "or of the filter's processes")  # fmt: skip
     add("--updates", type=_positive, default=150, metavar="N",
         help="timed updates of each case")  # fmt: skip
     add("--samples", type=_positive, default=10, metavar="N",
