@@ -59,8 +59,8 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
         "cvpf)")  # fmt: skip
     add("--seed", type=int, help="of all randomness (default: the scene's)")
     add("--threads", type=int, default=os.cpu_count(),
-        help="that simulate particles; results don't depend on "
-        "it")  # fmt: skip
+        help="so many processes share the particles; results don't depend "
+        "on it")  # fmt: skip
     add("--inspect", type=Path, metavar="LOG",
         help="only say what is in this log, what of it is used, and what is "
         "missing")  # fmt: skip
