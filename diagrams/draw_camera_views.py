@@ -32,8 +32,9 @@ from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.joint_log_source import interpolate_joints
 from pbpf_drake.log import Log
 from pbpf_drake.log_reader import ReadLog
+from pbpf_drake.overlay import DETECTION_COLOR, ESTIMATE_COLOR
 from pbpf_drake.particle_filter_config import METHODS
-from pbpf_drake.pinhole import project_points
+from pbpf_drake.pinhole import in_camera, project_points
 from pbpf_drake.pose_conversion import rigid_transform
 from pbpf_drake.pose_interpolation import interpolate_poses
 from pbpf_drake.prediction_model import MakePredictionModel
@@ -43,8 +44,6 @@ from pbpf_drake.track_record import TrackRecord
 from pbpf_drake.tracking import SceneOfLog, Track
 from pbpf_drake.wireframes import box_edges
 
-_COLORS = {"dope": "#FFD500"}
-_ESTIMATE_COLOR = "#19E05A"
 _BACKGROUND = np.array([0.93, 0.94, 0.95])
 # From the camera, and from above.
 _LIGHTS = [
@@ -75,18 +74,6 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     add("--out", type=Path, default=Path("camera_views.png"),
         help="picture to write")  # fmt: skip
     return parser.parse_args(argv)
-
-
-def project(p_W: np.ndarray, camera: CameraConfig) -> np.ndarray:
-    """Returns where points are in the image (in pixels), (..., 2).
-
-    Args:
-        p_W: points before the camera, in the world (in meters), (..., 3).
-        camera: the camera; the centre of its first pixel is (0, 0).
-    """
-    X_CW = camera.pose().inverse()
-    p_C = p_W @ X_CW.rotation().matrix().T + X_CW.translation()
-    return project_points(p_C, camera)
 
 
 class CameraView:
@@ -188,7 +175,8 @@ def _draw_boxes(
     for k, pose in enumerate(poses):
         X_WO = rigid_transform(pose)
         p_W = view.BoxEdges(k) @ X_WO.rotation().matrix().T
-        for line in project(p_W + X_WO.translation(), camera):
+        p_C = in_camera(p_W + X_WO.translation(), camera)
+        for line in project_points(p_C, camera):
             ax.plot(*line.T, lw=1.5, **style)
 
 
@@ -204,7 +192,8 @@ def _draw_view(
     ax.imshow(view.Render(q, _true_poses(scene, log, time)))
     step = int(np.argmin(np.abs(records[0].times - time)))
     for record in records:
-        color = _COLORS.get(record.method, _ESTIMATE_COLOR)
+        bgr = DETECTION_COLOR if record.method == "dope" else ESTIMATE_COLOR
+        color = np.flip(bgr) / 255
         _draw_boxes(ax, view, scene.camera, record.poses[step], color=color)
     detected = np.all(records[0].detected[step])
     ax.set_title(f"{time:.1f} s, {'' if detected else 'not '}detected")

@@ -14,13 +14,18 @@ from pathlib import Path
 import numpy as np
 from pydrake.math import RigidTransform
 
-from pbpf_drake import quaternions
+from pbpf_drake.diagrams.push_csv import (
+    MakeDetections,
+    planar_poses,
+    read_rows,
+    stack_columns,
+)
 from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
-from pbpf_drake.pose_conversion import rigid_transform
 from pbpf_drake.pose_interpolation import interpolate_poses
 from pbpf_drake.pose_noise import perturb_poses
 
 _JOINT_NAMES = ("pusher_x", "pusher_y")
+_OBJECT = ("slider_x", "slider_y", "slider_theta")
 _DETECTION_RATE = 15.0
 # Of each axis of the position (in meters) and of the rotation (in radians).
 _POSITION_STDDEV = 0.02
@@ -51,23 +56,17 @@ def ReadPlanarPush(
     Raises:
         ValueError: the file lacks a column, rows, or a number in one.
     """
-    rows = np.genfromtxt(filename, delimiter=",", names=True)
-    columns = ["t", "slider_x", "slider_y", "slider_theta", *_JOINT_NAMES]
-    columns.append("new_pose")
-    names = rows.dtype.names or ()
-    missing = [c for c in columns if c not in names]
-    if missing:
-        raise ValueError(f"{filename} has no columns {missing}")
-    rows = np.atleast_1d(rows)
-    if not rows.size or not all(np.all(np.isfinite(rows[c])) for c in columns):
-        raise ValueError(f"{filename} has no rows, or one without a number")
+    rows = read_rows(filename, ["t", *_OBJECT, *_JOINT_NAMES, "new_pose"])
     times = rows["t"] - rows["t"][0]
-    truth = _Truth(times, rows, height)
+    # The new samples of the motion capture; the first counts as one.
+    new = rows["new_pose"] > 0
+    new[0] = True
+    truth = planar_poses(times[new], stack_columns(rows[new], _OBJECT), height)
     return Log(
         joints=JointRecord(
             names=_JOINT_NAMES,
             times=times,
-            positions=np.column_stack([rows[n] for n in _JOINT_NAMES]),
+            positions=stack_columns(rows, _JOINT_NAMES),
         ),
         detections=SimulateDetections(
             truth,
@@ -79,25 +78,6 @@ def ReadPlanarPush(
         ),
         ground_truth={object_name: truth},
         start_time=_START_TIME,
-    )
-
-
-def _Truth(times: np.ndarray, rows: np.ndarray, height: float) -> PoseRecord:
-    """The new samples of the motion capture; the first counts as one."""
-    new = rows["new_pose"] > 0
-    new[0] = True
-    turn = np.zeros((np.count_nonzero(new), 3))
-    turn[:, 2] = rows["slider_theta"][new]
-    return PoseRecord(
-        times=times[new],
-        q_WO=quaternions.from_rotation_vector(turn),
-        p_WO=np.column_stack(
-            [
-                rows["slider_x"][new],
-                rows["slider_y"][new],
-                np.full(len(turn), height),
-            ]
-        ),
     )
 
 
@@ -128,14 +108,10 @@ def SimulateDetections(
         _POSITION_STDDEV * rng.standard_normal(p.shape),
         _ROTATION_STDDEV * rng.standard_normal(p.shape),
     )
-    X_CW = X_WC.inverse()
     hidden = (stamps >= blackout[0]) & (stamps <= blackout[1])
-    return tuple(
-        DetectionRecord(
-            name=object_name,
-            time=t,
-            received=t,
-            X_CO=X_CW @ rigid_transform(pose),
-        )
-        for t, pose in zip(stamps[~hidden], noisy[~hidden], strict=True)
+    return MakeDetections(
+        object_name=object_name,
+        times=stamps[~hidden],
+        poses=noisy[~hidden],
+        X_WC=X_WC,
     )

@@ -17,9 +17,13 @@ from pathlib import Path
 import numpy as np
 from pydrake.math import RigidTransform
 
-from pbpf_drake import quaternions
-from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
-from pbpf_drake.pose_conversion import rigid_transform
+from pbpf_drake.diagrams.push_csv import (
+    MakeDetections,
+    planar_poses,
+    read_rows,
+    stack_columns,
+)
+from pbpf_drake.log import JointRecord, Log
 
 JOINT_NAMES = ("pusher_x", "pusher_y", "pusher_z", "pusher_theta")
 _RECORDED_JOINTS = ("pusher_x", "pusher_y", "pusher_theta")
@@ -53,42 +57,22 @@ def ReadTwoFingerPush(
     Raises:
         ValueError: the file lacks a column, rows, or a number in one.
     """
-    rows = np.atleast_1d(np.genfromtxt(filename, delimiter=",", names=True))
-    columns = ["t", "detected", *_OBJECT, *_RECORDED_JOINTS]
-    missing = [c for c in columns if c not in (rows.dtype.names or ())]
-    if missing:
-        raise ValueError(f"{filename} has no columns {missing}")
-    if not rows.size or not all(np.all(np.isfinite(rows[c])) for c in columns):
-        raise ValueError(f"{filename} has no rows, or one without a number")
-    seen = _Detections(rows[rows["detected"] > 0], rows["t"][0], height)
-    X_CW = X_WC.inverse()
-    return Log(
-        joints=lift_in_pauses(
-            rows["t"] - rows["t"][0],
-            np.column_stack([rows[name] for name in _RECORDED_JOINTS]),
-        ),
-        detections=tuple(
-            DetectionRecord(
-                name=object_name,
-                time=t,
-                received=t,
-                X_CO=X_CW @ rigid_transform(np.concatenate([q, p])),
-            )
-            for t, q, p in zip(seen.times, seen.q_WO, seen.p_WO, strict=True)
-        ),
-        ground_truth={object_name: seen},
-        start_time=_START_TIME,
+    rows = read_rows(filename, ["t", "detected", *_OBJECT, *_RECORDED_JOINTS])
+    times = rows["t"] - rows["t"][0]
+    seen = rows["detected"] > 0
+    truth = planar_poses(
+        times[seen], stack_columns(rows[seen], _OBJECT), height
     )
-
-
-def _Detections(rows: np.ndarray, start: float, height: float) -> PoseRecord:
-    turn = np.zeros((len(rows), 3))
-    turn[:, 2] = rows["obj_theta"]
-    z = np.full(len(rows), height)
-    return PoseRecord(
-        times=rows["t"] - start,
-        q_WO=quaternions.from_rotation_vector(turn),
-        p_WO=np.column_stack([rows["obj_x"], rows["obj_y"], z]),
+    return Log(
+        joints=lift_in_pauses(times, stack_columns(rows, _RECORDED_JOINTS)),
+        detections=MakeDetections(
+            object_name=object_name,
+            times=truth.times,
+            poses=np.hstack([truth.q_WO, truth.p_WO]),
+            X_WC=X_WC,
+        ),
+        ground_truth={object_name: truth},
+        start_time=_START_TIME,
     )
 
 

@@ -89,7 +89,7 @@ def simulate(
     context = simulator.get_mutable_context()
     simulator.get_mutable_integrator().set_maximum_step_size(time_step)
     start = context.get_time()
-    times = _to_ticks(links.times)
+    times = to_ticks(links.times)
     for s in range(len(links.velocities)):
         if s > 0:
             _set_links(model, state, links, s)
@@ -119,10 +119,10 @@ def choose_time_step(
     step = np.clip(
         max_travel / np.maximum(speed, 1e-9), max_step / 16, max_step
     )
-    return np.maximum(8 * _to_ticks(step / 8), 8 * _TICK)
+    return np.maximum(8 * to_ticks(step / 8), 8 * _TICK)
 
 
-def _to_ticks(times: np.ndarray) -> np.ndarray:
+def to_ticks(times: np.ndarray) -> np.ndarray:
     """Returns times to the nearest tick."""
     return np.round(times / _TICK) * _TICK
 

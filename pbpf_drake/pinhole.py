@@ -12,6 +12,17 @@ from pbpf_drake.scene import CameraConfig
 _NEAR = 0.01
 
 
+def in_camera(p_W: np.ndarray, camera: CameraConfig) -> np.ndarray:
+    """Returns points in the camera's frame (in meters), (..., 3).
+
+    Args:
+        p_W: points in the world (in meters), (..., 3).
+        camera: its pose.
+    """
+    X_CW = camera.pose().inverse()
+    return p_W @ X_CW.rotation().matrix().T + X_CW.translation()
+
+
 def project_points(p_C: np.ndarray, camera: CameraConfig) -> np.ndarray:
     """Returns where points are in the image (in pixels), (..., 2).
 
@@ -35,8 +46,7 @@ def project_segments(
     Returns:
         Their ends (in pixels), none of them outside of the image.
     """
-    X_CW = camera.pose().inverse()
-    segments_C = segments_W @ X_CW.rotation().matrix().T + X_CW.translation()
+    segments_C = in_camera(segments_W, camera)
     for normal, offset in _frustum(camera):
         segments_C = clip_segments(segments_C, normal, offset)
     return project_points(segments_C, camera)

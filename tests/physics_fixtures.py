@@ -15,7 +15,7 @@ from pbpf_drake.particle_filter_config import (
     PhysicalParametersConfig,
     TruncatedGaussian,
 )
-from pbpf_drake.particle_simulation import MakeParticleSimulator
+from pbpf_drake.particle_simulation import MakeParticleSimulator, to_ticks
 from pbpf_drake.physical_parameters import (
     SetPhysicalParameters,
 )
@@ -97,11 +97,6 @@ def make_model(*names: str, fixed: str = "") -> PredictionModel:
     return MakePredictionModel(make_scene(files, fixed=fixed))
 
 
-def _to_ticks(time: float) -> float:
-    """So that steps don't depend on when they begin."""
-    return round(time * 2**20) / 2**20
-
-
 class Simulation:
     """A context of a contact model with all links, the probe out of the way.
 
@@ -166,9 +161,9 @@ class Simulation:
 
     def advance(self, duration: float) -> None:
         integrator = self.simulator.get_mutable_integrator()
-        integrator.set_maximum_step_size(_to_ticks(self._time_step))
+        integrator.set_maximum_step_size(to_ticks(self._time_step))
         self.simulator.AdvanceTo(
-            self.context.get_time() + _to_ticks(duration), interruptible=False
+            self.context.get_time() + to_ticks(duration), interruptible=False
         )
 
     def links(self) -> np.ndarray:

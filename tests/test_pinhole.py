@@ -5,6 +5,7 @@ import pytest
 
 from pbpf_drake.pinhole import (
     clip_segments,
+    in_camera,
     project_points,
     project_segments,
 )
@@ -25,6 +26,14 @@ def test_corners_of_a_square_are_projected_as_by_a_pinhole():
     np.testing.assert_allclose(
         project_points(np.array(corners), _camera()), expected
     )
+
+
+@pytest.mark.parametrize("shape", [(3,), (4, 3), (5, 2, 3)])
+def test_points_that_go_to_the_world_and_back_are_the_same(shape):
+    X_WC = RigidTransform(RollPitchYaw(0.3, -0.2, 1.0), [0.5, 0.6, 0.7])
+    p_C = np.random.default_rng(0).normal(size=shape)
+    p_W = (X_WC @ p_C.reshape(-1, 3).T).T.reshape(shape)
+    np.testing.assert_allclose(in_camera(p_W, _camera(X_WC)), p_C, atol=1e-12)
 
 
 def test_the_cameras_pose_counts():

@@ -96,8 +96,8 @@ def test_last_update_of_a_log_that_is_cut_is_at_that_time(tmp_path, time):
         )
 
 
-def test_a_file_without_a_column_or_a_number_is_refused(tmp_path):
-    with pytest.raises(ValueError, match=r"no columns \['pusher_theta'\]"):
-        _read(tmp_path, titles=_TITLES.replace("pusher_theta", "angle"))
-    with pytest.raises(ValueError, match="without a number"):
-        _read(tmp_path, rows=[_ROWS[0].replace("0.04", "x")])
+@pytest.mark.parametrize("name", _TITLES.split(","))
+def test_a_missing_column_is_named(tmp_path, name):
+    titles = ["other" if t == name else t for t in _TITLES.split(",")]
+    with pytest.raises(ValueError, match=rf"no columns \['{name}'\]"):
+        _read(tmp_path, titles=",".join(titles))
