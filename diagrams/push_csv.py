@@ -23,9 +23,16 @@ def read_rows(filename: str | Path, columns: Sequence[str]) -> np.ndarray:
             order in the file is any, and others may be there.
 
     Raises:
-        ValueError: the file lacks a column, rows, or a number in one.
+        ValueError: the file lacks a column, rows, or a number in one, or its
+            rows differ in length.
     """
-    rows = np.atleast_1d(np.genfromtxt(filename, delimiter=",", names=True))
+    try:
+        rows = np.atleast_1d(np.genfromtxt(filename, delimiter=",", names=True))
+    except (ValueError, IndexError) as error:
+        raise ValueError(
+            f"{filename} is no table with names in its first line and rows of "
+            f"the same length: {error}"
+        ) from error
     missing = [c for c in columns if c not in (rows.dtype.names or ())]
     if missing:
         raise ValueError(f"{filename} has no columns {missing}")

@@ -55,6 +55,13 @@ def test_a_file_that_is_missing_is_named(tmp_path):
         read_rows(tmp_path / "none.csv", NAMES)
 
 
+@pytest.mark.filterwarnings("ignore:.*Empty input file")
+@pytest.mark.parametrize("text", ["", "\n", "t,x,y\n0.5,1\n", "t,x\n1,2,3\n"])
+def test_what_is_no_table_is_named(tmp_path, text):
+    with pytest.raises(ValueError, match=r"push\.csv is no table with names"):
+        read_rows(_write(tmp_path, text), NAMES)
+
+
 def test_a_file_without_rows_is_named(tmp_path):
     with pytest.raises(ValueError, match=r"push\.csv has no rows"):
         read_rows(_write(tmp_path, "t,x,y\n"), NAMES)
