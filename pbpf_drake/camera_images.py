@@ -1,24 +1,24 @@
 """Finds the camera's images in a log."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pbpf_drake.image_messages import (
-    COMPRESSED_IMAGE,
-    IMAGE,
-    image_definition,
-    to_bgr,
-)
+from pbpf_drake.image_messages import to_bgr
 from pbpf_drake.log_container import OpenLogStream
 from pbpf_drake.log_notes import LogNotes
 from pbpf_drake.log_samples import is_one_of
 from pbpf_drake.log_stream import RawMessage
 from pbpf_drake.message_decoder import MessageDecoder
-from pbpf_drake.ros2_messages import short_type_name, stamp_of
+from pbpf_drake.ros2_messages import (
+    COMPRESSED_IMAGE,
+    IMAGE,
+    short_type_name,
+    stamp_of,
+)
 from pbpf_drake.scene import CameraConfig
 
 # An image that is older isn't what the camera sees now (in seconds).
@@ -116,9 +116,6 @@ class CameraImages:
         if not is_one_of(message.type, (IMAGE, COMPRESSED_IMAGE)):
             self._LeaveOut(message.topic, f"of type {message.type!r}")
             return None
-        if not message.definition:
-            definition = image_definition(message.type)
-            message = replace(message, definition=definition)
         try:
             decoded = self._decoder.Decode(message)
             stamp = stamp_of(decoded.header) or message.log_time

@@ -8,26 +8,8 @@ from typing import Any
 import cv2
 import numpy as np
 
-from pbpf_drake.ros2_messages import short_type_name
+from pbpf_drake.ros2_messages import IMAGE, short_type_name
 
-IMAGE = "sensor_msgs/msg/Image"
-COMPRESSED_IMAGE = "sensor_msgs/msg/CompressedImage"
-
-_HEADER = """
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec"""
-_DEFINITIONS = {
-    IMAGE: "std_msgs/Header header\nuint32 height\nuint32 width\n"
-    "string encoding\nuint8 is_bigendian\nuint32 step\nuint8[] data" + _HEADER,
-    COMPRESSED_IMAGE: "std_msgs/Header header\nstring format\nuint8[] data"
-    + _HEADER,
-}
 # By encoding: bytes per pixel, and how to convert them.
 _ENCODINGS: dict[str, tuple[int, int | None]] = {
     "bgr8": (3, None),
@@ -37,16 +19,6 @@ _ENCODINGS: dict[str, tuple[int, int | None]] = {
     "mono8": (1, cv2.COLOR_GRAY2BGR),
 }
 _JPEG_QUALITY = 85
-
-
-def image_definition(name: str) -> str:
-    """Returns the text of a type and of all types in it.
-
-    Args:
-        name: IMAGE or COMPRESSED_IMAGE, or one without "msg/".
-    """
-    names = {short_type_name(key): key for key in _DEFINITIONS}
-    return _DEFINITIONS[names[short_type_name(name)]]
 
 
 def to_bgr(name: str, message: Any) -> np.ndarray:

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pbpf_drake.camera_images import image_topics
-from pbpf_drake.image_messages import COMPRESSED_IMAGE, IMAGE
 from pbpf_drake.log import Log
 from pbpf_drake.log_error import LogError
 from pbpf_drake.log_notes import plural
@@ -18,6 +17,7 @@ from pbpf_drake.log_samples import (
 from pbpf_drake.log_sources import LogSources
 from pbpf_drake.log_survey import LogSurvey, survey_log
 from pbpf_drake.log_topics import frame_name, is_frame
+from pbpf_drake.ros2_messages import COMPRESSED_IMAGE, IMAGE
 from pbpf_drake.scene import Scene
 
 

@@ -8,15 +8,10 @@ used, by ``ValidateOrThrow``.
 
 from dataclasses import dataclass, field
 import math
-from typing import Any
+
+from pbpf_drake.config_checks import require, require_positive
 
 METHODS = ("pbpf", "pbpf-v", "cvpf", "dope")
-
-
-def _require(condition: bool, name: str, value: Any, expected: str) -> None:
-    """Raises a ValueError that names the field, its value and what fits."""
-    if not condition:
-        raise ValueError(f"{name} is {value!r}; expected {expected}")
 
 
 @dataclass(kw_only=True)
@@ -32,7 +27,7 @@ class PoseStddev:
         """Raises ValueError unless both are finite and above ``minimum``."""
         for part in ("position", "rotation"):
             value = getattr(self, part)
-            _require(
+            require(
                 math.isfinite(value) and value >= minimum,
                 f"{name}.{part}",
                 value,
@@ -52,9 +47,9 @@ class TruncatedGaussian:
         """Raises ValueError for a value that no draw can be made from."""
         for part in ("mean", "stddev", "min"):
             value = getattr(self, part)
-            _require(math.isfinite(value), f"{name}.{part}", value, "finite")
-        _require(self.stddev >= 0, f"{name}.stddev", self.stddev, "at least 0")
-        _require(self.min > 0, f"{name}.min", self.min, "more than 0")
+            require(math.isfinite(value), f"{name}.{part}", value, "finite")
+        require(self.stddev >= 0, f"{name}.stddev", self.stddev, "at least 0")
+        require(self.min > 0, f"{name}.min", self.min, "more than 0")
 
 
 @dataclass(kw_only=True)
@@ -111,10 +106,10 @@ class VisibilityConfig:
         """Raises ValueError unless all are in [0, 1], weights above 0."""
         for part in ("high_visibility", "low_visibility"):
             value = getattr(self, part)
-            _require(0 <= value <= 1, f"{name}.{part}", value, "in [0, 1]")
+            require(0 <= value <= 1, f"{name}.{part}", value, "in [0, 1]")
         for part in ("high_weight", "low_weight", "penalty"):
             value = getattr(self, part)
-            _require(0 < value <= 1, f"{name}.{part}", value, "in (0, 1]")
+            require(0 < value <= 1, f"{name}.{part}", value, "in (0, 1]")
 
 
 @dataclass(kw_only=True)
@@ -140,26 +135,21 @@ class AdaptiveCountConfig:
 
     def ValidateOrThrow(self, name: str) -> None:
         """Raises ValueError, naming the field, if a value is out of range."""
-        _require(
+        require(
             self.min_particles >= 1,
             f"{name}.min_particles",
             self.min_particles,
             "at least 1",
         )
-        _require(
+        require(
             0 < self.confidence < 1,
             f"{name}.confidence",
             self.confidence,
             "in (0, 1)",
         )
-        for part in ("max_divergence", "bin_position", "bin_rotation"):
-            value = getattr(self, part)
-            _require(
-                math.isfinite(value) and value > 0,
-                f"{name}.{part}",
-                value,
-                "more than 0",
-            )
+        require_positive(
+            self, f"{name}.", ("max_divergence", "bin_position", "bin_rotation")
+        )
 
 
 @dataclass(kw_only=True)
@@ -228,26 +218,26 @@ class ParticleFilterConfig:
         """Raises ValueError, naming field, value and what was expected."""
         for part in ("num_particles", "control_samples", "num_rays"):
             value = getattr(self, part)
-            _require(value >= 1, part, value, "at least 1")
-        for part in (
-            "period",
-            "max_detection_age",
-            "max_speed",
-            "time_step",
-            "max_travel",
-        ):
-            value = getattr(self, part)
-            _require(
-                math.isfinite(value) and value > 0, part, value, "more than 0"
-            )
-        _require(
+            require(value >= 1, part, value, "at least 1")
+        require_positive(
+            self,
+            "",
+            (
+                "period",
+                "max_detection_age",
+                "max_speed",
+                "time_step",
+                "max_travel",
+            ),
+        )
+        require(
             self.motion in ("physics", "constant_velocity"),
             "motion",
             self.motion,
             "'physics' or 'constant_velocity'",
         )
-        _require(self.seed >= 0, "seed", self.seed, "at least 0")
-        _require(
+        require(self.seed >= 0, "seed", self.seed, "at least 0")
+        require(
             self.parallelism >= 1, "parallelism", self.parallelism, "at least 1"
         )
         self.process_noise.ValidateOrThrow("process_noise")

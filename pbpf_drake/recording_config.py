@@ -8,26 +8,9 @@ used, by ``ValidateOrThrow``.
 from dataclasses import dataclass, field
 from itertools import pairwise
 import math
-from typing import Any
 
+from pbpf_drake.config_checks import require, require_positive
 from pbpf_drake.particle_filter_config import PoseStddev
-
-
-def _require(condition: bool, name: str, value: Any, expected: str) -> None:
-    """Raises a ValueError that names the field, its value and what fits."""
-    if not condition:
-        raise ValueError(f"{name} is {value!r}; expected {expected}")
-
-
-def _require_positive(config: Any, name: str, fields: tuple[str, ...]) -> None:
-    for part in fields:
-        value = getattr(config, part)
-        _require(
-            math.isfinite(value) and value > 0,
-            f"{name}.{part}",
-            value,
-            "more than 0",
-        )
 
 
 @dataclass(kw_only=True)
@@ -39,7 +22,7 @@ class Range:
 
     def ValidateOrThrow(self, name: str) -> None:
         """Raises ValueError unless 0 < min ≤ max < ∞."""
-        _require(
+        require(
             0 < self.min <= self.max < math.inf,
             name,
             (self.min, self.max),
@@ -72,28 +55,28 @@ class PathConfig:
 
     def ValidateOrThrow(self, name: str) -> None:
         """Raises ValueError, naming the field, if there is no such path."""
-        _require(
+        require(
             bool(self.end_effector),
             f"{name}.end_effector",
             self.end_effector,
             "the name of a frame of the robot",
         )
         times = [w.time for w in self.waypoints]
-        _require(
+        require(
             len(times) >= 2 and all(b > a for a, b in pairwise(times)),
             f"{name}.waypoints",
             times,
             "at least two, their times increasing",
         )
         for i, waypoint in enumerate(self.waypoints):
-            _require(
+            require(
                 len(waypoint.translation) == 3
                 and all(math.isfinite(x) for x in waypoint.translation),
                 f"{name}.waypoints[{i}].translation",
                 waypoint.translation,
                 "three finite numbers",
             )
-        _require(
+        require(
             0 <= self.stddev < math.inf,
             f"{name}.stddev",
             self.stddev,
@@ -164,8 +147,8 @@ class DetectorConfig:
 
     def ValidateOrThrow(self, name: str) -> None:
         """Raises ValueError, naming the field, if a value can't be used."""
-        _require_positive(self, name, ("period",))
-        _require(
+        require_positive(self, f"{name}.", ("period",))
+        require(
             0 <= self.latency < math.inf,
             f"{name}.latency",
             self.latency,
@@ -174,7 +157,7 @@ class DetectorConfig:
         self.bias_position.ValidateOrThrow(f"{name}.bias_position")
         self.bias_rotation.ValidateOrThrow(f"{name}.bias_rotation")
         self.noise.ValidateOrThrow(f"{name}.noise")
-        _require(
+        require(
             0 <= self.hidden_visibility < self.clear_visibility <= 1,
             f"{name}.hidden_visibility",
             (self.hidden_visibility, self.clear_visibility),
@@ -183,7 +166,7 @@ class DetectorConfig:
         self._validate_outliers(name)
 
     def _validate_outliers(self, name: str) -> None:
-        _require(
+        require(
             0 <= self.outlier_chance <= 1,
             f"{name}.outlier_chance",
             self.outlier_chance,
@@ -191,7 +174,7 @@ class DetectorConfig:
         )
         self.outlier_position.ValidateOrThrow(f"{name}.outlier_position")
         self.outlier_rotation.ValidateOrThrow(f"{name}.outlier_rotation")
-        _require(
+        require(
             self.outlier_rotation.max <= math.pi,
             f"{name}.outlier_rotation.max",
             self.outlier_rotation.max,
@@ -247,9 +230,9 @@ class RecordingConfig:
 
     def ValidateOrThrow(self, name: str = "recording") -> None:
         """Raises ValueError, naming field, value and what was expected."""
-        _require_positive(
+        require_positive(
             self,
-            name,
+            f"{name}.",
             (
                 "duration",
                 "time_step",
@@ -259,8 +242,8 @@ class RecordingConfig:
                 "mesh_resolution",
             ),
         )
-        _require(self.seed >= 0, f"{name}.seed", self.seed, "at least 0")
-        _require(
+        require(self.seed >= 0, f"{name}.seed", self.seed, "at least 0")
+        require(
             0 <= self.dissipation < math.inf,
             f"{name}.dissipation",
             self.dissipation,
@@ -271,7 +254,7 @@ class RecordingConfig:
             getattr(self, part).ValidateOrThrow(f"{name}.{part}")
         for part in ("stiffness", "damping"):
             values = getattr(self, part)
-            _require(
+            require(
                 all(0 < x < math.inf for x in values),
                 f"{name}.{part}",
                 values,

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
+IMAGE = "sensor_msgs/msg/Image"
+COMPRESSED_IMAGE = "sensor_msgs/msg/CompressedImage"
 DETECTION_ARRAY = "vision_msgs/msg/Detection3DArray"
 POSE_STAMPED = "geometry_msgs/msg/PoseStamped"
 POSE_WITH_COVARIANCE_STAMPED = "geometry_msgs/msg/PoseWithCovarianceStamped"
@@ -64,6 +66,20 @@ _FIELDS = {
         "float64[] position",
         "float64[] velocity",
         "float64[] effort",
+    ),
+    "sensor_msgs/Image": (
+        "std_msgs/Header header",
+        "uint32 height",
+        "uint32 width",
+        "string encoding",
+        "uint8 is_bigendian",
+        "uint32 step",
+        "uint8[] data",
+    ),
+    "sensor_msgs/CompressedImage": (
+        "std_msgs/Header header",
+        "string format",
+        "uint8[] data",
     ),
     "vision_msgs/ObjectHypothesis": ("string class_id", "float64 score"),
     "vision_msgs/ObjectHypothesisWithPose": (

@@ -11,14 +11,11 @@ from mcap_ros2.writer import Writer
 import numpy as np
 
 from pbpf_drake.dope_measurement import Detection
-from pbpf_drake.image_messages import (
-    COMPRESSED_IMAGE,
-    image_definition,
-    jpeg_fields,
-)
+from pbpf_drake.image_messages import jpeg_fields
 from pbpf_drake.mcap_log_writer import CAMERA_FRAME, CHUNK_SIZE, WORLD_FRAME
 from pbpf_drake.pose_conversion import pose_array
 from pbpf_drake.ros2_messages import (
+    COMPRESSED_IMAGE,
     JOINT_STATE,
     POSE_ARRAY,
     POSE_STAMPED,
@@ -183,12 +180,7 @@ class TrackMcap:
 
     def _Schema(self, kind: str) -> Schema:
         if kind not in self._schemas:
-            define = (
-                image_definition
-                if kind == COMPRESSED_IMAGE
-                else message_definition
-            )
             self._schemas[kind] = self._writer.register_msgdef(
-                kind, define(kind)
+                kind, message_definition(kind)
             )
         return self._schemas[kind]

@@ -11,11 +11,6 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Ros2Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from pbpf_drake.image_messages import (
-    COMPRESSED_IMAGE,
-    IMAGE,
-    image_definition,
-)
 from pbpf_drake.log import Log
 from pbpf_drake.log_topics import LogTopics
 from pbpf_drake.mcap_log_writer import log_entries
@@ -38,7 +33,9 @@ def write_mcap(path: Path, entries: list[Entry]) -> Path:
         schemas = {}
         for time, topic, kind, message in entries:
             if kind not in schemas:
-                schemas[kind] = writer.register_msgdef(kind, _define(kind))
+                schemas[kind] = writer.register_msgdef(
+                    kind, message_definition(kind)
+                )
             writer.write_message(topic, schemas[kind], message, log_time=time)
     return path
 
@@ -88,11 +85,6 @@ def write_ros2(
     return path
 
 
-def _define(kind: str) -> str:
-    images = (IMAGE, COMPRESSED_IMAGE)
-    return (image_definition if kind in images else message_definition)(kind)
-
-
 def _write(writer, store, entries: list[Entry], serialize: Callable) -> None:
     connections = {}
     for time, topic, kind, message in entries:
@@ -108,7 +100,7 @@ def _store(version: int, entries: list[Entry]):
     """Returns a store of the types of all entries."""
     store = get_typestore(Stores.EMPTY)
     for kind in {kind for _, _, kind, _ in entries}:
-        text = _define(kind)
+        text = message_definition(kind)
         if version == 1:
             # A header has a number, and fields have no defaults.
             text = text.replace(

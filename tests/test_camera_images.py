@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pbpf_drake.camera_images import CameraImages
-from pbpf_drake.image_messages import COMPRESSED_IMAGE, IMAGE
+from pbpf_drake.ros2_messages import COMPRESSED_IMAGE, IMAGE
 
 LOG = make_push_log(duration=2.0)
 

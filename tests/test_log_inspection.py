@@ -11,10 +11,9 @@ from pydrake.math import RigidTransform
 import pytest
 
 from pbpf_drake.diagrams.track_log import main
-from pbpf_drake.image_messages import COMPRESSED_IMAGE
 from pbpf_drake.log_error import LogError
 from pbpf_drake.log_inspection import InspectLog
-from pbpf_drake.ros2_messages import TF_MESSAGE
+from pbpf_drake.ros2_messages import COMPRESSED_IMAGE, TF_MESSAGE
 
 SHARED = Path(__file__).parents[2] / "shared/data"
 LOG = make_small_log()

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from pbpf_drake.diagrams.track_log import main
-from pbpf_drake.image_messages import IMAGE
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.particle_filter_config import METHODS
+from pbpf_drake.ros2_messages import IMAGE
 
 SCENE = SCENES / "planar_push.yaml"
 OUTPUTS = {

@@ -11,9 +11,10 @@ import numpy as np
 from pydrake.math import RigidTransform
 import pytest
 
-from pbpf_drake.image_messages import COMPRESSED_IMAGE, to_bgr
+from pbpf_drake.image_messages import to_bgr
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.pose_conversion import rigid_transform
+from pbpf_drake.ros2_messages import COMPRESSED_IMAGE
 from pbpf_drake.tracking import Track
 from pbpf_drake.write_track import WriteTrack, detections_at
 
