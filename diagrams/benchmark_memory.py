@@ -15,22 +15,23 @@ _ROLLUP = Path("/proc/self/smaps_rollup")
 def MemoryInUse() -> int:
     """Returns how much memory this process and its children hold (in bytes).
 
-    What processes share is divided among them. Outside Linux it is the most
-    that this process ever held.
+    What they share counts once; program files don't count, which other
+    programs share as well. Outside Linux it is the most that this process ever
+    held.
     """
     if _ROLLUP.exists():
         children = multiprocessing.active_children()
         return sum(
-            _proportional_set_size(pid)
+            _anonymous_memory(pid)
             for pid in (os.getpid(), *(child.pid for child in children))
         )
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return most if sys.platform == "darwin" else 1024 * most
 
 
-def _proportional_set_size(pid: int | None) -> int:
+def _anonymous_memory(pid: int | None) -> int:
     rollup = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii")
-    (line,) = (x for x in rollup.splitlines() if x.startswith("Pss:"))
+    (line,) = (x for x in rollup.splitlines() if x.startswith("Pss_Anon:"))
     return 1024 * int(line.split()[1])
 
 

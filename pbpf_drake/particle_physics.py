@@ -1,12 +1,7 @@
-"""The physics of some of the particles, each by itself.
-
-Writing θ into a context takes longer than simulating the particle. So each
-draw of θ is written once, when its context is made.
-"""
+"""The physics of some of the particles, each by itself."""
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context
 
 from pbpf_drake.contact_model import ContactModel, MakeContactModel
 from pbpf_drake.particle_simulation import (
@@ -119,7 +114,7 @@ class ParticlePhysics:
 
     def _MakeSimulator(self, links: Links, draw: int) -> Simulator:
         model = self._Model(links)
-        context: Context = model.diagram.CreateDefaultContext()
+        context = model.diagram.CreateDefaultContext()
         for k in range(len(model.objects)):
             SetPhysicalParameters(
                 model=model,

@@ -57,11 +57,10 @@ class Crew:
         Raises:
             Exception: what the function raises, in whichever process.
         """
-        asked = [
-            i
-            for i, share in enumerate(shares)
-            if i > 0 and share and _can_copy() and self._Ask(i, function, share)
-        ]
+        asked = set()
+        for i, share in enumerate(shares):
+            if i > 0 and share and self._Ask(i, function, share):
+                asked.add(i)
         answers: list[list[Any] | Exception | None] = [None] * len(shares)
         try:
             for i, share in enumerate(shares):
@@ -76,6 +75,9 @@ class Crew:
         ]
 
     def _Ask(self, i: int, function: Callable[..., Any], share: Share) -> bool:
+        """Returns whether a copy works on it now."""
+        if not _can_copy():
+            return False
         if i not in self._helpers:
             self._helpers[i] = _Helper(self._target)
         try:
@@ -132,6 +134,11 @@ class _Helper:
         weakref.finalize(self, _dismiss, self._line, process)
 
     def Ask(self, function: Callable[..., Any], share: Share) -> None:
+        """Sends what to work on.
+
+        Raises:
+            OSError: there is nobody at the other end.
+        """
         self._num_asked += 1
         self._line.send((self._num_asked, function, share))
 
@@ -139,6 +146,9 @@ class _Helper:
         """Returns the answer to the last question.
 
         One that nobody waited for, because of an interrupt, is passed over.
+
+        Raises:
+            EOFError, OSError: there is nobody at the other end any more.
         """
         while True:
             number, answer = self._line.recv()

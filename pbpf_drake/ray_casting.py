@@ -68,13 +68,14 @@ class OccluderSet:
             return first
         X_WG = [query_object.GetPoseInWorld(id) for id in self._ids]
         p_OG = np.array([X.translation() for X in X_WG]) - origin
-        d = (targets - origin).reshape(-1, 3)
+        ways = targets - origin
+        d = ways.reshape(-1, 3)
         may_hit = np.flatnonzero(_near_cone(d, p_OG, self._radii))
-        near = _near_balls(
-            targets - origin, p_OG[may_hit], self._radii[may_hit]
-        ).reshape(len(d), -1)
+        near = _near_balls(ways, p_OG[may_hit], self._radii[may_hit])
         t = first.reshape(-1)
-        for i, rays_near in zip(may_hit, near.T, strict=True):
+        for i, rays_near in zip(
+            may_hit, near.reshape(len(d), -1).T, strict=True
+        ):
             rays = np.flatnonzero(rays_near)
             if not len(rays):
                 continue

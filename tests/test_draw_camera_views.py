@@ -53,15 +53,26 @@ def log() -> Log:
     )
 
 
-def test_picture_has_a_view_per_time_and_both_wireframes(tmp_path: Path):
+YELLOW, GREEN = [255, 213, 0], [25, 224, 90]
+
+
+# The estimate's wireframe covers a part of the detection's.
+@pytest.mark.parametrize(
+    ("method", "pixels"),
+    [("dope", {300: [YELLOW]}), ("cvpf", {150: [YELLOW, GREEN]})],
+)
+def test_picture_has_a_view_per_time_and_all_wireframes(
+    tmp_path: Path, method, pixels
+):
     out = tmp_path / "views.png"
-    args = ["--method", "cvpf", "--times", "2", "5", "--out", str(out)]
+    args = ["--method", method, "--times", "2", "5", "--out", str(out)]
     assert draw_camera_views.main(args) == 0
     picture = 255 * imread(out)[..., :3]
-    for color in ([255, 213, 0], [25, 224, 90]):
-        drawn = np.all(np.abs(picture - color) < 10, axis=2)
-        left, right = np.array_split(drawn, 2, axis=1)
-        assert left.sum() > 150 and right.sum() > 150
+    for least, colors in pixels.items():
+        for color in colors:
+            drawn = np.all(np.abs(picture - color) < 10, axis=2)
+            left, right = np.array_split(drawn, 2, axis=1)
+            assert left.sum() > least and right.sum() > least
 
 
 def test_log_without_ground_truth_is_refused(tmp_path, log, capsys):

@@ -146,6 +146,20 @@ def test_what_the_robot_did_within_the_period_counts(block):
     np.testing.assert_array_less(moved, 0.0145)
 
 
+def test_the_robot_ends_where_its_path_ends(block):
+    rng = np.random.default_rng(0)
+    q = TOUCHING + np.cumsum(rng.uniform(-0.004, 0.006, (9, 2)), axis=0)
+    path = ControlPath(np.linspace(3.0, 3.16, 9), q)
+    dut = PhysicsMotionModel(model=block, config=_config(6))
+    poses, scratch = blocks_in_the_way(6), dut.MakeScratch()
+    dut.Propagate(make_motion(poses, still(poses), path), scratch)
+    links = scratch.crew._target._pool.Simulators((0,))
+    for m in range(6):
+        context = links.Get(m).get_context()
+        x = context.get_continuous_state_vector().CopyToVector()
+        np.testing.assert_allclose(x[4:6], q[-1], atol=1e-5)
+
+
 def test_a_path_of_one_point_takes_no_time(block):
     dut = PhysicsMotionModel(model=block, config=_config(3))
     poses = blocks_on_table(3)

@@ -2,6 +2,7 @@ from io import BytesIO
 import struct
 
 from mcap.reader import make_reader
+from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
 from mcap_ros2.writer import Writer
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from pbpf_drake import ros2_messages
 from pbpf_drake.ros2_messages import (
+    IMAGE,
     POSE_STAMPED,
     header_message,
     message_definition,
@@ -35,6 +37,13 @@ def _write_and_read(name, message):
     )
     (found,) = reader.iter_decoded_messages()
     return found
+
+
+@pytest.mark.parametrize("name", [IMAGE, "sensor_msgs/CompressedImage"])
+def test_definitions_can_be_parsed(name):
+    text = message_definition(name)
+    schema = Schema(id=1, data=text.encode(), encoding="ros2msg", name=name)
+    assert DecoderFactory().decoder_for("cdr", schema) is not None
 
 
 @pytest.mark.parametrize("name", TYPES)
