@@ -4,7 +4,7 @@ Only what may come near an object has to be part of its simulation.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from pydrake.geometry import GeometryId, SceneGraphInspector
@@ -12,6 +12,39 @@ from pydrake.geometry import GeometryId, SceneGraphInspector
 from pbpf_drake import quaternions
 
 _CORNERS = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T
+
+
+@dataclass(frozen=True)
+class PlacedBoxes:
+    """G boxes in the world.
+
+    Attributes:
+        bodies: (G,) which body each is part of.
+        centers: (..., G, 3) (in meters).
+        axes: (..., G, 3, 3) rotation matrices: the columns are the box's axes.
+        half_sizes: (G, 3) along them (in meters).
+    """
+
+    bodies: np.ndarray
+    centers: np.ndarray
+    axes: np.ndarray
+    half_sizes: np.ndarray
+
+    def subset(self, chosen: np.ndarray) -> "PlacedBoxes":
+        """Returns the boxes that are chosen, (G,) bool."""
+        return PlacedBoxes(
+            bodies=self.bodies[chosen],
+            centers=self.centers[..., chosen, :],
+            axes=self.axes[..., chosen, :, :],
+            half_sizes=self.half_sizes[chosen],
+        )
+
+    def corners(self) -> np.ndarray:
+        """Returns (..., G, 8, 3)."""
+        offsets = (self.half_sizes[:, None] * _CORNERS) @ np.swapaxes(
+            self.axes, -1, -2
+        )
+        return self.centers[..., None, :] + offsets
 
 
 @dataclass(frozen=True)
@@ -30,36 +63,23 @@ class BoundingBoxes:
     axes: np.ndarray
     half_sizes: np.ndarray
 
-    def subset(self, chosen: np.ndarray) -> "BoundingBoxes":
-        """Returns the boxes that are chosen, (G,) bool."""
-        return BoundingBoxes(
-            *(getattr(self, f.name)[chosen] for f in fields(self))
-        )
-
-    def frames(self, X_WB: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Returns centers (..., G, 3) and axes (..., G, 3, 3) in the world.
-
-        Args:
-            X_WB: (..., B, 7) poses of the bodies.
-        """
+    def at(self, X_WB: np.ndarray) -> PlacedBoxes:
+        """Returns them in the world, from the bodies' poses (..., B, 7)."""
         X = X_WB[..., self.bodies, :]
         R = quaternions.to_matrix(X[..., :4])
-        centers = X[..., 4:] + (R @ self.centers[..., None])[..., 0]
-        return centers, R @ self.axes
-
-    def corners(self, X_WB: np.ndarray) -> np.ndarray:
-        """Returns (..., G, 8, 3) in the world, from X_WB (..., B, 7)."""
-        centers, axes = self.frames(X_WB)
-        offsets = (self.half_sizes[:, None] * _CORNERS) @ np.swapaxes(
-            axes, -1, -2
+        return PlacedBoxes(
+            bodies=self.bodies,
+            centers=X[..., 4:] + (R @ self.centers[..., None])[..., 0],
+            axes=R @ self.axes,
+            half_sizes=self.half_sizes,
         )
-        return centers[..., None, :] + offsets
 
     def radii(self, num_bodies: int) -> np.ndarray:
         """Returns how far corners are from each body's origin, (B,)."""
         origin = np.tile([1.0, 0, 0, 0, 0, 0, 0], (num_bodies, 1))
         radii = np.zeros(num_bodies)
-        distances = np.linalg.norm(self.corners(origin), axis=-1).max(axis=-1)
+        corners = self.at(origin).corners()
+        distances = np.linalg.norm(corners, axis=-1).max(axis=-1)
         np.maximum.at(radii, self.bodies, distances)
         return radii
 
@@ -96,29 +116,25 @@ def MakeBoundingBoxes(
     )
 
 
-def least_distances(
-    a: BoundingBoxes, X_WA: np.ndarray, b: BoundingBoxes, X_WB: np.ndarray
-) -> np.ndarray:
+def least_distances(a: PlacedBoxes, b: PlacedBoxes) -> np.ndarray:
     """Returns how far apart boxes are at least, (..., Ga, Gb).
 
     It is the widest gap along an axis of one of the two: never more than the
     distance, and less than 0 where they overlap.
-
-    Args:
-        a, b: Ga and Gb boxes.
-        X_WA, X_WB: (..., B, 7) poses of their bodies.
     """
-    p_a, R_a = a.frames(X_WA)
-    p_b, R_b = b.frames(X_WB)
-    d = p_b[..., None, :, :] - p_a[..., :, None, :]
-    # [..., i, j]: axis i of a box of a, along axis j of a box of b.
-    R_ab = (
-        np.swapaxes(R_a, -1, -2)[..., :, None, :, :] @ R_b[..., None, :, :, :]
+    num_b = len(b.half_sizes)
+    to_a = np.swapaxes(a.axes, -1, -2)
+    columns = np.swapaxes(b.axes, -3, -2).reshape(
+        *b.axes.shape[:-3], 1, 3, 3 * num_b
     )
-    R_ab = np.abs(R_ab)
-    d_a = np.abs(np.swapaxes(R_a, -1, -2)[..., :, None, :, :] @ d[..., None])
-    d_b = np.abs(np.swapaxes(R_b, -1, -2)[..., None, :, :, :] @ d[..., None])
-    half_a, half_b = a.half_sizes[:, None, :, None], b.half_sizes[..., None]
-    gap_a = d_a - half_a - R_ab @ half_b
-    gap_b = d_b - half_b - np.swapaxes(R_ab, -1, -2) @ half_a
-    return np.maximum(gap_a, gap_b).max(axis=(-2, -1))
+    # [..., a, i, b, j]: axis j of each box of b, along axis i of one of a.
+    R = to_a @ columns
+    R = R.reshape(*R.shape[:-1], num_b, 3)
+    d = b.centers[..., None, :, :] - a.centers[..., :, None, :]
+    d_a = to_a @ np.swapaxes(d, -1, -2)  # [..., a, i, b]
+    d_b = (R * d_a[..., None]).sum(axis=-3)  # [..., a, b, j]
+    R, half_a = np.abs(R), a.half_sizes[..., None]
+    gap_a = np.abs(d_a) - half_a - np.einsum("...bj,bj->...b", R, b.half_sizes)
+    half_a_along_b = (R * half_a[..., None]).sum(axis=-3)
+    gap_b = np.abs(d_b) - b.half_sizes - half_a_along_b
+    return np.maximum(gap_a.max(axis=-2), gap_b.max(axis=-1))

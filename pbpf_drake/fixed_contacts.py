@@ -68,6 +68,7 @@ class FixedContacts:
         boxes = MakeBoundingBoxes(
             self._inspector, [model.geometries(body) for body in objects]
         )
+        # Around everything of an object, its spheres too.
         self._radii = boxes.radii(len(objects)) + 1e-3
         fixed = {
             geometry: self._MakeSolid(geometry, rigid_transform(pose))
@@ -125,24 +126,31 @@ class FixedContacts:
         self, k: int, solid: _Solid, fixed: _Solid, X_WO: np.ndarray
     ) -> Iterator[tuple[np.ndarray, ...]]:
         """Yields the columns of PointContacts of one pair of geometries."""
-        gap, _ = fixed.Distance(X_WO[:, 4:])
-        near = np.flatnonzero(gap <= self._radii[k])
+        radius = self._radii[k]
+        near = np.flatnonzero(fixed.Distance(X_WO[:, 4:])[0] <= radius)
         if not len(near):
             return
-        q, p_WO = X_WO[near, None, :4], X_WO[near, None, 4:]
-        p_WP = p_WO + quaternions.rotate(q, solid.p_BP)
+        to_O = quaternions.to_matrix(X_WO[near, :4])  # From the right.
+        to_W, p_WO = np.swapaxes(to_O, -1, -2), X_WO[near, None, 4:]
+        p_WP = p_WO + solid.p_BP @ to_W
         distance, normal = fixed.Distance(p_WP)
-        depth = solid.radius - distance
-        yield _columns(near, k, p_WP, normal, depth)
-        inside = np.abs(fixed.p_BP - p_WO).max(axis=-1) <= self._radii[k]
-        points = np.flatnonzero(inside.any(axis=0))
+        yield _columns(near, k, p_WP, normal, solid.radius - distance)
+        in_reach = _squared_distances(p_WO[:, 0], fixed.p_BP) <= radius**2
+        points = np.flatnonzero(in_reach.any(axis=0))
         if not len(points):
             return
         p_WP = np.broadcast_to(fixed.p_BP[points], (len(near), len(points), 3))
-        back = quaternions.conjugate(q)
-        distance, normal = solid.Distance(quaternions.rotate(back, p_WP - p_WO))
-        depth = fixed.radius - distance
-        yield _columns(near, k, p_WP, -quaternions.rotate(q, normal), depth)
+        distance, normal = solid.Distance((p_WP - p_WO) @ to_O)
+        yield _columns(near, k, p_WP, -normal @ to_W, fixed.radius - distance)
+
+
+def _squared_distances(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Returns |p - q|², (n, m), of points (n, 3) and (m, 3)."""
+    return (
+        np.einsum("ni,ni->n", p, p)[:, None]
+        + np.einsum("mi,mi->m", q, q)
+        - 2 * p @ q.T
+    )
 
 
 def _columns(

@@ -2,7 +2,11 @@
 
 import numpy as np
 
-from pbpf_drake.bounding_boxes import BoundingBoxes, least_distances
+from pbpf_drake.bounding_boxes import (
+    BoundingBoxes,
+    PlacedBoxes,
+    least_distances,
+)
 
 
 def link_distances(
@@ -27,32 +31,32 @@ def link_distances(
         margin: (M,) the largest distance of interest (in meters).
     """
     found = np.full((len(poses), link_poses.shape[1]), np.inf)
-    objects = objects.subset(active[objects.bodies])
     with np.errstate(invalid="ignore", over="ignore"):
-        links = links.subset(
-            _may_be_near(objects, poses, links, link_poses, margin)
+        near = objects.at(poses[:, None]).subset(active[objects.bodies])
+        boxes = links.at(link_poses)
+        boxes = boxes.subset(_may_be_near(near, boxes, margin))
+        distances = least_distances(near, boxes).min(
+            axis=(1, 2), initial=np.inf
         )
-        distances = least_distances(
-            objects, poses[:, None], links, link_poses[None]
-        ).min(axis=(1, 2), initial=np.inf)
-    for box, link in enumerate(links.bodies):
+    for box, link in enumerate(boxes.bodies):
         found[:, link] = np.fmin(found[:, link], distances[:, box])
     return np.where(found <= margin[:, None], found, np.inf)
 
 
 def _may_be_near(
-    objects: BoundingBoxes,
-    poses: np.ndarray,
-    links: BoundingBoxes,
-    link_poses: np.ndarray,
-    margin: np.ndarray,
+    objects: PlacedBoxes, links: PlacedBoxes, margin: np.ndarray
 ) -> np.ndarray:
-    """Returns which boxes of links have a sphere that comes near, (G,)."""
-    p_O, _ = objects.frames(poses)
-    p_L, _ = links.frames(link_poses)
-    offset = p_O[:, None, :, None] - p_L[None, :, None]
-    radii = np.linalg.norm(objects.half_sizes, axis=-1)[
-        :, None
-    ] + np.linalg.norm(links.half_sizes, axis=-1)
+    """Returns which boxes of links have a sphere that comes near, (G,).
+
+    Args:
+        objects: of M particles, (M, 1, ...).
+        links: at S times, (S, ...).
+        margin: (M,).
+    """
+    offset = links.centers[:, None] - objects.centers[..., None, :]
+    seen = np.abs(offset @ objects.axes)  # (M, S, objects, links, 3)
+    beyond = np.maximum(seen - objects.half_sizes[:, None], 0.0)
+    radii = np.linalg.norm(links.half_sizes, axis=-1)
     reach = margin[:, None, None, None] + radii
-    return (np.linalg.norm(offset, axis=-1) <= reach).any(axis=(0, 1, 2))
+    distances = np.sqrt(np.einsum("...i,...i", beyond, beyond))
+    return (distances <= reach).any(axis=(0, 1, 2))

@@ -205,8 +205,8 @@ class ParticleFilterConfig:
     max_speed: float = 2.0
     # The longest step of the physics (in seconds) ...
     time_step: float = 0.04
-    # ... and how far things may move within one (in meters).
-    max_travel: float = 0.001
+    # ... and how far things may move or fall within one (in meters).
+    max_travel: float = 0.0015
     # All randomness is a pure function of this and of the step.
     seed: int = 0
     # So many processes share the particles: the filter's own, and copies of

@@ -4,7 +4,9 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 
 from pbpf_drake.contact_model import ContactModel, MakeContactModel
+from pbpf_drake.fixed_contacts import FixedContacts
 from pbpf_drake.particle_simulation import (
+    MakeFallLimit,
     MakeParticleSimulator,
     make_states,
     simulate,
@@ -35,6 +37,7 @@ class ParticlePhysics:
     ) -> None:
         self._model = model
         self._parameters = parameters
+        self._contacts = FixedContacts(model)
         self._contact_models: dict[Links, ContactModel] = {}
         self._resolvers: dict[Links, PenetrationResolver] = {}
         self._pool = PredictionPool(self._MakeSimulator)
@@ -47,6 +50,8 @@ class ParticlePhysics:
         velocities: np.ndarray,
         links: LinkMotion,
         time_steps: np.ndarray,
+        active: np.ndarray,
+        max_travel: float,
         draws: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Returns where m particles go, (m, K, 7) and (m, K, 6).
@@ -59,12 +64,15 @@ class ParticlePhysics:
             velocities: (m, K, 6): angular, translational.
             links: the motion of these links.
             time_steps: (m,) of the physics (in seconds).
+            active: (K,) which objects count.
+            max_travel: that what falls may travel in a step (in meters).
             draws: (m,) which draw of θ each particle has.
         """
         model, simulators = self._Model(chosen), self._pool.Simulators(chosen)
         states = make_states(
             model, poses=poses, velocities=velocities, links=links
         )
+        fall_limit = MakeFallLimit(model, active, max_travel)
         for m, draw in enumerate(draws):
             try:
                 states[m] = simulate(
@@ -73,6 +81,7 @@ class ParticlePhysics:
                     state=states[m],
                     links=links,
                     time_step=time_steps[m],
+                    fall_limit=fall_limit,
                 )
             # The solver gave up on this particle; Drake's own assertions are
             # of the second type. What it left behind must not be used again.
@@ -99,9 +108,7 @@ class ParticlePhysics:
         """
         model = self._Model(chosen)
         if chosen not in self._resolvers:
-            self._resolvers[chosen] = PenetrationResolver(
-                model, model.diagram.CreateDefaultContext()
-            )
+            self._resolvers[chosen] = PenetrationResolver(model, self._contacts)
         q = np.zeros((len(poses), model.diagram.plant().num_positions()))
         q[:, model.link_q] = link_poses
         q[:, model.object_q] = poses

@@ -1,6 +1,8 @@
 """One particle through the physics, for as long as the robot's path takes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+import itertools
 
 import numpy as np
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
@@ -8,13 +10,59 @@ from pydrake.systems.framework import Context
 
 from pbpf_drake.contact_model import ContactModel
 from pbpf_drake.robot_links import LinkMotion
+from pbpf_drake.ticks import TICK, to_ticks
 
 # What a particle touches at first is new to it: it was disturbed, pushed out,
 # and got another θ. So the first of the physics' steps is divided, at these
 # shares of it.
 _ONSET = (1 / 8, 3 / 8, 1)
-# About a microsecond. The sum of two times is exact, for a hundred years.
-_TICK = 2.0**-20
+# The steps of what falls are not shortened to less than this share.
+_MIN_FALLING = 1 / 4
+
+
+@dataclass(frozen=True)
+class FallLimit:
+    """Shortens the steps of what falls.
+
+    Steps are chosen by how fast things are at first. Nothing but gravity makes
+    them much faster within an update.
+
+    Attributes:
+        rows: where the upward velocities of the objects that count are in the
+            continuous state.
+        max_travel: how far they may fall in a step (in meters).
+    """
+
+    rows: Sequence[int]
+    max_travel: float
+
+    def TimeStep(self, context: Context, time_step: float) -> float:
+        """Returns the step for the rest of the way (in seconds).
+
+        Args:
+            context: of the simulation, at any time.
+            time_step: what it was until now, whole ticks (in seconds).
+        """
+        state = context.get_continuous_state_vector()
+        speed = max((-state.GetAtIndex(i) for i in self.rows), default=0.0)
+        if speed * time_step <= self.max_travel:
+            return time_step
+        step = max(self.max_travel / speed, _MIN_FALLING * time_step)
+        return float(to_ticks(step))
+
+
+def MakeFallLimit(
+    model: ContactModel, active: np.ndarray, max_travel: float
+) -> FallLimit:
+    """Returns the limit for some of a model's objects.
+
+    Args:
+        model: the contact model.
+        active: (K,) which of the objects count.
+        max_travel: how far they may fall in a step (in meters).
+    """
+    rows = model.diagram.plant().num_positions() + model.object_v[active, 5]
+    return FallLimit(rows=rows.tolist(), max_travel=max_travel)
 
 
 def MakeParticleSimulator(model: ContactModel, context: Context) -> Simulator:
@@ -72,12 +120,13 @@ def simulate(
     state: np.ndarray,
     links: LinkMotion,
     time_step: float,
+    fall_limit: FallLimit,
 ) -> np.ndarray:
     """Returns the state (nx,) that a particle ends in.
 
     The same simulator can be used again and again; its time goes on. The
     length of a step doesn't depend on when it starts, because all times are
-    multiples of the tick, which are added without rounding.
+    whole ticks.
 
     Args:
         model: the contact model.
@@ -85,17 +134,22 @@ def simulate(
         state: (nx,) that it starts in.
         links: the motion of the model's links.
         time_step: of the physics (in seconds), a multiple of 8 ticks.
+        fall_limit: for the steps after the first.
     """
+    integrator = simulator.get_mutable_integrator()
+    integrator.set_maximum_step_size(time_step)
     context = simulator.get_mutable_context()
-    simulator.get_mutable_integrator().set_maximum_step_size(time_step)
     start = context.get_time()
-    times = to_ticks(links.times)
-    for s in range(len(links.velocities)):
+    for s, (begin, end) in enumerate(itertools.pairwise(links.times.tolist())):
         if s > 0:
             _set_links(model, state, links, s)
         context.SetContinuousState(state)
-        for end in _ends(times[s], times[s + 1], time_step):
-            simulator.AdvanceTo(start + end, interruptible=False)
+        for time in _ends(begin, end, time_step):
+            simulator.AdvanceTo(start + time, interruptible=False)
+            if time == time_step:
+                integrator.set_maximum_step_size(
+                    fall_limit.TimeStep(context, time_step)
+                )
         state = context.get_continuous_state_vector().CopyToVector()
     return state
 
@@ -119,20 +173,16 @@ def choose_time_step(
     step = np.clip(
         max_travel / np.maximum(speed, 1e-9), max_step / 16, max_step
     )
-    return np.maximum(8 * to_ticks(step / 8), 8 * _TICK)
-
-
-def to_ticks(times: np.ndarray) -> np.ndarray:
-    """Returns times to the nearest tick."""
-    return np.round(times / _TICK) * _TICK
+    return np.maximum(8 * to_ticks(step / 8), 8 * TICK)
 
 
 def _ends(begin: float, end: float, time_step: float) -> Iterator[float]:
-    """Yields the times from begin to end at which steps have to end."""
+    """Yields the times after begin, up to end, at which steps have to end."""
     for share in _ONSET:
         if begin < share * time_step < end:
             yield share * time_step
-    yield end
+    if begin < end:
+        yield end
 
 
 def _set_links(

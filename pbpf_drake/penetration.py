@@ -2,19 +2,24 @@
 
 Noise puts particles into the table and into the hand. A physics engine would
 shoot them out. Here they are pushed out instead, along the normal of the
-deepest penetration, until nothing is deep. What stands on something is not
-lifted by the robot or by another object, but slid and turned as by a push.
+deepest penetration, until nothing is deep: first by links and each other, then
+by fixed models. What stands on something is not lifted by the robot or by
+another object, but slid and turned as by a push.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.geometry import PenetrationAsPointPair
-from pydrake.systems.framework import Context
+from pydrake.geometry import (
+    CollisionFilterDeclaration,
+    GeometrySet,
+    PenetrationAsPointPair,
+)
 
 from pbpf_drake.contact_model import ContactModel
 from pbpf_drake.contact_points import REST_DEPTH
+from pbpf_drake.fixed_contacts import FixedContacts
 from pbpf_drake.push_on_support import MassDistribution, push_on_support
 
 # What is left of a penetration (in meters). Of one by what may carry an object
@@ -55,16 +60,25 @@ class PenetrationResolver:
 
     Args:
         model: the contact model.
-        context: a root context of its diagram, overwritten.
+        contacts: of the same scene.
     """
 
-    def __init__(self, model: ContactModel, context: Context) -> None:
+    def __init__(self, model: ContactModel, contacts: FixedContacts) -> None:
         plant, scene_graph = model.diagram.plant(), model.diagram.scene_graph()
+        root = model.diagram.CreateDefaultContext()
         self._model = model
+        self._contacts = contacts
         self._plant = plant
-        self._context = plant.GetMyMutableContextFromRoot(context)
-        self._geometry = scene_graph.GetMyContextFromRoot(context)
+        self._context = plant.GetMyMutableContextFromRoot(root)
+        self._geometry = scene_graph.GetMyMutableContextFromRoot(root)
         self._query = scene_graph.get_query_output_port()
+        # Of these, most by far, FixedContacts knows.
+        scene_graph.collision_filter_manager(self._geometry).Apply(
+            CollisionFilterDeclaration().ExcludeBetween(
+                GeometrySet(list(model.points)),
+                GeometrySet(list(model.fixed_geometries)),
+            )
+        )
         self._masses = MassDistribution.OfBodies(
             [plant.get_body(index) for index in model.objects]
         )
@@ -82,33 +96,78 @@ class PenetrationResolver:
             supports: (m, K, 3) normals of what the objects stand on, or zeros.
         """
         q = q.copy()
-        left: Iterable[int] = range(len(q))
         # Where each object was pushed to by what doesn't give way.
         pushed = np.zeros((*supports.shape[:2], _MAX_PUSHES, 3))
-        for push in range(_MAX_PUSHES):
-            deepest = [self._Deepest(m, q[m]) for m in left]
-            found = [p for p in deepest if p is not None]
+        num_pushes = np.zeros(len(q), dtype=int)
+        left, moved = list(range(len(q))), set(range(len(q)))
+        while left or moved:
+            found = self._FindPairs(q, left)
             if not found:
-                break
+                found = self._FindOnFixed(q, sorted(moved))
+                moved.clear()
+            found = [p for p in found if num_pushes[p.particle] < _MAX_PUSHES]
             left = [p.particle for p in found]
-            self._Push(q, found, supports, pushed, push)
+            if found:
+                self._Push(q, found, supports, pushed, num_pushes)
+                num_pushes[left] += 1
+                moved.update(left)
         return q
 
-    def _Deepest(self, particle: int, q: np.ndarray) -> _Penetration | None:
-        """Returns what is the most too deep in one particle."""
+    def _FindPairs(
+        self, q: np.ndarray, particles: Sequence[int]
+    ) -> list[_Penetration]:
+        """Returns each particle's deepest one by a link or another object.
+
+        Those that only the cores of objects have with fixed models, and what
+        has no points, are among them.
+        """
+        found = []
+        for particle in particles:
+            deepest = self._DeepestPair(q[particle])
+            if deepest is not None:
+                found.append(self._Describe(particle, *deepest))
+        return found
+
+    def _FindOnFixed(
+        self, q: np.ndarray, particles: Sequence[int]
+    ) -> list[_Penetration]:
+        """Returns each particle's deepest one by a fixed model."""
+        contacts = self._contacts.Find(q[particles][:, self._model.object_q])
+        allowed = allowed_depth(contacts.normals[:, 2])
+        excess = contacts.depths - _TOLERANCE * allowed
+        order = np.argsort(excess)
+        deepest = dict(zip(contacts.particles[order], order, strict=True))
+        return [
+            _Penetration(
+                particle=particles[m],
+                objects=(int(contacts.objects[i]), -1),
+                fixed=True,
+                normal=contacts.normals[i],
+                p_WC=contacts.points[i],
+                distance=contacts.depths[i] - allowed[i],
+            )
+            for m, i in deepest.items()
+            if excess[i] > 0
+        ]
+
+    def _DeepestPair(
+        self, q: np.ndarray
+    ) -> tuple[PenetrationAsPointPair, float] | None:
+        """Returns the pair that is too deep by the most, and its way out."""
         self._plant.SetPositions(self._context, q)
         query = self._query.Eval(self._geometry)
         links = self._model.link_geometries
         deepest, most = None, 0.0
         for pair in query.ComputePointPairPenetration():
-            depth, left = pair.depth, TOUCH
+            depth, allowed = pair.depth, TOUCH
             if depth <= _TOLERANCE * TOUCH + most:
                 continue
             if pair.id_A not in links and pair.id_B not in links:
-                left = max(TOUCH, REST_DEPTH * abs(float(pair.nhat_BA_W[2])))
-            if depth - _TOLERANCE * left > most:
-                deepest, most = (pair, depth - left), depth - _TOLERANCE * left
-        return None if deepest is None else self._Describe(particle, *deepest)
+                allowed = float(allowed_depth(pair.nhat_BA_W[2]))
+            if depth - _TOLERANCE * allowed > most:
+                deepest = pair, depth - allowed
+                most = depth - _TOLERANCE * allowed
+        return deepest
 
     def _Describe(
         self, particle: int, pair: PenetrationAsPointPair, distance: float
@@ -129,7 +188,7 @@ class PenetrationResolver:
         found: list[_Penetration],
         supports: np.ndarray,
         pushed: np.ndarray,
-        push: int,
+        num_pushes: np.ndarray,
     ) -> None:
         """Moves what penetrates, and notes what can't go back any more.
 
@@ -138,7 +197,7 @@ class PenetrationResolver:
             found: n penetrations, of different particles.
             supports: (m, K, 3) as in PushOut.
             pushed: (m, K, pushes, 3) changed.
-            push: the index of this push.
+            num_pushes: (m,) so far.
         """
         m = np.array([p.particle for p in found])
         objects = np.array([p.objects for p in found])
@@ -163,7 +222,7 @@ class PenetrationResolver:
             supports=np.where(fixed[:, None], 0.0, supports[m, k]),
         )
         alone = num_free[n] == 1
-        pushed[m[alone], k[alone], push] = normals[alone]
+        pushed[m[alone], k[alone], num_pushes[m[alone]]] = normals[alone]
 
 
 def is_too_deep(depth: np.ndarray, upwards: np.ndarray) -> np.ndarray:
@@ -173,4 +232,13 @@ def is_too_deep(depth: np.ndarray, upwards: np.ndarray) -> np.ndarray:
         depth: (...) of the penetrations (in meters).
         upwards: (...) the z components of their normals.
     """
-    return depth > _TOLERANCE * np.maximum(TOUCH, REST_DEPTH * np.abs(upwards))
+    return depth > _TOLERANCE * allowed_depth(upwards)
+
+
+def allowed_depth(upwards: np.ndarray) -> np.ndarray:
+    """Returns how deep fixed models or objects may be left (in meters).
+
+    Args:
+        upwards: (...) the z components of the normals.
+    """
+    return np.maximum(TOUCH, REST_DEPTH * np.abs(upwards))

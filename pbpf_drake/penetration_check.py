@@ -8,6 +8,7 @@ import numpy as np
 
 from pbpf_drake.bounding_boxes import (
     MakeBoundingBoxes,
+    PlacedBoxes,
     least_distances,
 )
 from pbpf_drake.contact_points import INSET, REST_DEPTH, MakeContactPoints
@@ -36,8 +37,9 @@ class PenetrationCheck:
             for of_body in fixed
         ]
         self._objects = MakeBoundingBoxes(inspector, objects)
-        self._fixed = MakeBoundingBoxes(inspector, bounded)
-        self._X_WF = model.fixed_poses()
+        self._fixed = MakeBoundingBoxes(inspector, bounded).at(
+            model.fixed_poses()
+        )
         has_points = np.array(
             [
                 len(MakeContactPoints(inspector.GetShape(g)).p_GS) > 0
@@ -62,17 +64,21 @@ class PenetrationCheck:
         deep = is_too_deep(contacts.depths, contacts.normals[:, 2])
         found[contacts.particles[deep & active[contacts.objects]]] = True
         counts = active[self._objects.bodies]
-        gaps = least_distances(
-            self._objects, poses, self._fixed, self._X_WF
-        ).min(axis=-1, initial=np.inf)
+        boxes = self._objects.at(poses)
+        gaps = least_distances(boxes, self._fixed).min(axis=-1, initial=np.inf)
         found |= ((gaps < -self._allowed) & counts).any(axis=-1)
-        return found | self._Crowded(poses, counts)
+        return found | _crowded(boxes, counts)
 
-    def _Crowded(self, poses: np.ndarray, counts: np.ndarray) -> np.ndarray:
-        """Returns for which particles objects may touch each other, (M,)."""
-        bodies = self._objects.bodies
-        pairs = (bodies[:, None] < bodies) & counts[:, None] & counts
-        if not pairs.any():
-            return np.zeros(len(poses), dtype=bool)
-        gaps = least_distances(self._objects, poses, self._objects, poses)
-        return ((gaps < REST_DEPTH) & pairs).any(axis=(-2, -1))
+
+def _crowded(boxes: PlacedBoxes, counts: np.ndarray) -> np.ndarray:
+    """Returns for which particles objects may touch each other, (M,).
+
+    Args:
+        boxes: of M particles, (M, ...).
+        counts: (G,) which of them count.
+    """
+    pairs = (boxes.bodies[:, None] < boxes.bodies) & counts[:, None] & counts
+    if not pairs.any():
+        return np.zeros(len(boxes.centers), dtype=bool)
+    gaps = least_distances(boxes, boxes)
+    return ((gaps < REST_DEPTH) & pairs).any(axis=(-2, -1))

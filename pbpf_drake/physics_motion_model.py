@@ -125,6 +125,8 @@ class PhysicsMotionModel:
                 "velocities": velocities[members],
                 "links": links.of(chosen),
                 "time_steps": steps[members],
+                "active": motion.active,
+                "max_travel": self._config.max_travel,
                 "draws": draws[members],
             },
             groups=_groups(distances, everyone),

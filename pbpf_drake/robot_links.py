@@ -15,6 +15,7 @@ from pbpf_drake import quaternions
 from pbpf_drake.bounding_boxes import BoundingBoxes, MakeBoundingBoxes
 from pbpf_drake.control_path import ControlPath, simplify_path
 from pbpf_drake.prediction_model import PredictionModel
+from pbpf_drake.ticks import to_ticks
 
 # How far any part of a link may be from where it was (in meters).
 _TOLERANCE = 5e-4
@@ -25,7 +26,7 @@ class LinkMotion:
     """Steady motions of L links, one after the other.
 
     Attributes:
-        times: (S,) from 0, ascending (in seconds).
+        times: (S,) from 0, ascending, in whole ticks (in seconds).
         poses: (S, L, 7) of the links: qw qx qy qz, x y z (in meters).
         velocities: (S - 1, L, 6) in between: angular (rad/s), then
             translational (m/s), in the world.
@@ -78,7 +79,7 @@ class RobotLinks:
             context: of the model's plant, overwritten.
         """
         poses = self._Poses(path.positions, context)
-        corners = self.boxes.corners(poses)
+        corners = self.boxes.at(poses).corners()
         simple = simplify_path(
             ControlPath(path.times, corners.reshape(len(poses), -1)), _TOLERANCE
         )
@@ -87,7 +88,7 @@ class RobotLinks:
         ways = np.linalg.norm(np.diff(corners[kept], axis=0), axis=-1)
         speeds = ways / np.diff(times)[:, None, None]
         return LinkMotion(
-            times=times,
+            times=to_ticks(times),
             poses=poses[kept],
             velocities=_velocities(times, poses[kept]),
             speed=float(speeds.max(initial=0.0)),

@@ -5,6 +5,7 @@ convex hull, as in Drake's point contact.
 """
 
 from collections.abc import Callable
+import functools
 
 import numpy as np
 from pydrake.geometry import (
@@ -71,15 +72,16 @@ def _unit(v: np.ndarray) -> np.ndarray:
 
 def _box(p: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     beyond = np.abs(p) - half
-    nearest = np.argmax(beyond, axis=-1)
-    deepest = np.max(beyond, axis=-1)
-    side = np.where(p < 0, -1.0, 1.0)
-    outside = np.maximum(beyond, 0.0)
-    is_outside = deepest > 0
-    distance = np.where(is_outside, np.linalg.norm(outside, axis=-1), deepest)
-    face = np.eye(p.shape[-1])[nearest]
-    normal = side * np.where(is_outside[..., None], _unit(outside), face)
-    return distance, normal
+    deepest = functools.reduce(np.maximum, np.moveaxis(beyond, -1, 0))
+    is_inside = deepest <= 0
+    way = np.where(
+        is_inside[..., None],
+        beyond == deepest[..., None],  # The nearest face.
+        np.maximum(beyond, 0.0),
+    )
+    length = np.sqrt(np.einsum("...i,...i", way, way))
+    distance = np.where(is_inside, deepest, length)
+    return distance, np.copysign(way, p) / length[..., None]
 
 
 def _ball(p: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:

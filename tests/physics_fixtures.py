@@ -15,7 +15,7 @@ from pbpf_drake.particle_filter_config import (
     PhysicalParametersConfig,
     TruncatedGaussian,
 )
-from pbpf_drake.particle_simulation import MakeParticleSimulator, to_ticks
+from pbpf_drake.particle_simulation import MakeParticleSimulator
 from pbpf_drake.physical_parameters import (
     SetPhysicalParameters,
 )
@@ -24,6 +24,7 @@ from pbpf_drake.pose_noise import add_process_noise
 from pbpf_drake.prediction_model import MakePredictionModel, PredictionModel
 from pbpf_drake.robot_links import RobotLinks
 from pbpf_drake.scene import Scene
+from pbpf_drake.ticks import to_ticks
 
 GRAVITY = 9.81
 FLAT = np.array([1.0, 0.0, 0.0, 0.0])

@@ -65,7 +65,7 @@ def test_boxes_are_as_large_as_the_shapes(three):
 def test_corners_turn_with_the_body(three):
     turn = quaternions.from_rotation_vector(np.array([0.0, 0.0, np.pi / 2]))
     poses = np.array([[*turn, 1.0, 2.0, 3.0], [1, 0, 0, 0, 0, 0, 0]])
-    corners = three.corners(poses)
+    corners = three.at(poses).corners()
     assert corners.shape == (4, 8, 3)
     # The box's long side, along x, is along y now.
     np.testing.assert_allclose(corners[0].max(axis=0), [1.05, 2.2, 3.025])
@@ -76,7 +76,7 @@ def test_corners_turn_with_the_body(three):
 def test_radii_are_to_the_furthest_corner(three):
     far = np.linalg.norm([0.2, 0.05, 0.025])
     second = np.linalg.norm(
-        three.corners(_random_poses(1, 0, 0).repeat(2, 1))[0, 1], axis=-1
+        three.at(_random_poses(1, 0, 0).repeat(2, 1)).corners()[0, 1], axis=-1
     )
     np.testing.assert_allclose(
         three.radii(2),
@@ -108,10 +108,13 @@ def test_boxes_are_at_least_as_far_apart_as_is_said():
     one = MakeBoundingBoxes(*_world([(FRAMES[2], SHAPES[0])]))
     two = MakeBoundingBoxes(*_world([(FRAMES[2], SHAPES[1])]))
     X_a, X_b = _random_poses(60, 0.15, 1), _random_poses(60, 0.15, 2)
-    found = least_distances(one, X_a, two, X_b)[:, 0, 0]
+    found = least_distances(one.at(X_a), two.at(X_b))[:, 0, 0]
     assert np.sum(found > 0.01) > 10 and np.sum(found < 0) > 10
     for distance, a, b in zip(
-        found, one.corners(X_a)[:, 0], two.corners(X_b)[:, 0], strict=True
+        found,
+        one.at(X_a).corners()[:, 0],
+        two.at(X_b).corners()[:, 0],
+        strict=True,
     ):
         if distance > 0:
             assert not _overlap(a, b)
@@ -125,7 +128,7 @@ def test_the_gap_between_faces_is_exact():
     X_a = np.array([[1.0, 0, 0, 0, 0, 0, 0]])
     for gap in (-0.01, 0.0, 0.03):
         X_b = np.array([[1.0, 0, 0, 0, 0.2 + gap, 0.05, 0.0]])
-        found = least_distances(boxes, X_a, boxes, X_b)
+        found = least_distances(boxes.at(X_a), boxes.at(X_b))
         np.testing.assert_allclose(found, [[gap]], atol=1e-12)
 
 
@@ -144,7 +147,7 @@ def test_round_and_users_shapes_have_boxes(tmp_path):
     shapes = [Capsule(0.1, 0.3), Mesh(str(file), 0.1)]
     boxes = MakeBoundingBoxes(*_world([(RigidTransform(), s) for s in shapes]))
     np.testing.assert_allclose(boxes.half_sizes[0], [0.1, 0.1, 0.25])
-    corners = boxes.corners(np.array([[1.0, 0, 0, 0, 0, 0, 0]]))[1]
+    corners = boxes.at(np.array([[1.0, 0, 0, 0, 0, 0, 0]])).corners()[1]
     vertices = 0.1 * np.vstack([np.zeros(3), np.eye(3)])
     for vertex in vertices:
         assert not np.any(_outside(vertex, corners))

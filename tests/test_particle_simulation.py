@@ -3,6 +3,7 @@ from physics_fixtures import (
     AWAY,
     FLAT,
     GRAVITY,
+    HEIGHTS,
     Simulation,
     make_model,
     straight_path,
@@ -10,12 +11,14 @@ from physics_fixtures import (
 import pytest
 
 from pbpf_drake.particle_simulation import (
+    MakeFallLimit,
     choose_time_step,
     make_states,
     simulate,
     split_states,
 )
 from pbpf_drake.robot_links import RobotLinks
+from pbpf_drake.ticks import to_ticks
 
 
 @pytest.mark.parametrize(
@@ -32,6 +35,11 @@ def test_steps_are_as_long_as_the_travel_lets_them_be(speed, step):
     found = choose_time_step(np.array(speed), max_travel=1e-3, max_step=0.016)
     # To a multiple of 8 ticks of a microsecond.
     assert found == pytest.approx(step, abs=4e-6)
+
+
+def _fall_limit(simulation, max_travel: float = 1.0):
+    active = np.ones(len(simulation.contact.objects), dtype=bool)
+    return MakeFallLimit(simulation.contact, active, max_travel)
 
 
 def _simulate(simulation, velocities, time_step: float = 0.01):
@@ -54,6 +62,7 @@ def _simulate(simulation, velocities, time_step: float = 0.01):
         state=state,
         links=links,
         time_step=step,
+        fall_limit=_fall_limit(simulation),
     )
     found = split_states(simulation.contact, end[None])
     return poses, *(values[0] for values in found)
@@ -103,3 +112,47 @@ def test_the_links_are_where_the_path_ends():
     np.testing.assert_allclose(
         simulation.links()[0, 4:6], AWAY + [0.016, 0.0], atol=1e-6
     )
+
+
+@pytest.mark.parametrize(("max_travel", "sinks"), [(1.0, True), (1e-3, False)])
+def test_what_falls_takes_shorter_steps(max_travel, sinks):
+    """A block falls 20 mm onto the table, which takes 64 ms."""
+    simulation = Simulation(make_model("block"))
+    model = simulation.model
+    links = RobotLinks(model=model).Motion(
+        straight_path(AWAY, [0.0, 0.0], duration=0.08),
+        model.diagram.plant().CreateDefaultContext(),
+    )
+    height = HEIGHTS["block"] + 0.02
+    (state,) = make_states(
+        simulation.contact,
+        poses=np.array([[[*FLAT, 0.0, 0.0, height]]]),
+        velocities=np.zeros((1, 1, 6)),
+        links=links,
+    )
+    end = simulate(
+        simulation.contact,
+        simulation.simulator,
+        state=state,
+        links=links,
+        time_step=float(to_ticks(0.04)),
+        fall_limit=_fall_limit(simulation, max_travel),
+    )
+    poses, _ = split_states(simulation.contact, end[None])
+    assert (poses[0, 0, 6] < HEIGHTS["block"] - 5e-3) == sinks
+
+
+def test_the_steps_of_what_falls_have_a_shortest():
+    simulation = Simulation(make_model("block", "soup"))
+    simulation.set_velocity([0, 0, 0, 0, 0, -0.1], k=0)
+    simulation.set_velocity([0, 0, 0, 0, 0, -5.0], k=1)
+    step = float(to_ticks(0.04))
+    for active, travel, expected in (
+        ([True, False], 4.1e-3, step),
+        ([True, False], 2e-3, 0.02),
+        ([True, True], 2e-3, 0.01),
+        ([False, False], 2e-3, step),
+    ):
+        limit = MakeFallLimit(simulation.contact, np.array(active), travel)
+        found = limit.TimeStep(simulation.context, step)
+        assert found == pytest.approx(expected, abs=1e-6)

@@ -12,6 +12,7 @@ import pytest
 
 from pbpf_drake import quaternions
 from pbpf_drake.contact_points import REST_DEPTH
+from pbpf_drake.fixed_contacts import FixedContacts
 from pbpf_drake.penetration import PenetrationResolver
 
 HALF_BLOCK = 0.045
@@ -27,7 +28,9 @@ class _World:
         self.simulation = Simulation(make_model(*names, fixed=fixed))
         self.model = self.simulation.contact
         self.context = self.simulation.context
-        self.resolver = PenetrationResolver(self.model, self.context)
+        self.resolver = PenetrationResolver(
+            self.model, FixedContacts(self.simulation.model)
+        )
 
     def push(self, *poses, robot=FAR) -> np.ndarray:
         """Returns the objects' poses afterwards, (K, 7)."""

@@ -36,7 +36,7 @@ def _crowd(num: int, seed: int) -> np.ndarray:
 def test_whatever_would_be_pushed_is_found(model, check):
     simulation = Simulation(model)
     contact = simulation.contact
-    resolver = PenetrationResolver(contact, simulation.context)
+    resolver = PenetrationResolver(contact, FixedContacts(model))
     poses = _crowd(200, seed=0)
     found = check.MayPenetrate(poses, BOTH)
     start = simulation.plant.GetPositions(simulation.plant_context)

@@ -17,6 +17,7 @@ from pbpf_drake.control_path import ControlPath
 from pbpf_drake.prediction_model import MakePredictionModel
 from pbpf_drake.robot_links import RobotLinks
 from pbpf_drake.scene import LoadScene
+from pbpf_drake.ticks import to_ticks
 
 # The wall's face is at x = 0.1.
 AT_WALL = 0.1 - 0.045
@@ -67,7 +68,7 @@ def test_poses_are_those_of_the_arms_kinematics(panda):
 
 def test_a_straight_motion_is_one_piece(probe):
     motion = _motion(probe, straight_path([0.1, 0.2], [0.03, -0.04]))
-    np.testing.assert_allclose(motion.times, [0.0, 0.16])
+    np.testing.assert_allclose(motion.times, to_ticks([0.0, 0.16]))
     np.testing.assert_allclose(motion.poses[:, 0, 4], [0.1, 0.1048])
     np.testing.assert_allclose(
         motion.velocities[0, 0], [0, 0, 0, 0.03, -0.04, 0], atol=1e-12
@@ -112,8 +113,8 @@ def test_every_part_of_an_arm_is_near_where_the_joints_put_it(panda, speed):
             ),
             time - motion.times[s],
         )
-        found = links.boxes.corners(pose)
-        expected = links.boxes.corners(links.Poses(positions, context))
+        found = links.boxes.at(pose).corners()
+        expected = links.boxes.at(links.Poses(positions, context)).corners()
         # Corners are on an arc between two poses, not on the chord.
         assert np.max(np.linalg.norm(found - expected, axis=-1)) < 1.5e-3
 
