@@ -116,10 +116,10 @@ class PenetrationResolver:
     def _FindPairs(
         self, q: np.ndarray, particles: Sequence[int]
     ) -> list[_Penetration]:
-        """Returns each particle's deepest one by a link or another object.
+        """Returns each particle's deepest one that FixedContacts doesn't know.
 
-        Those that only the cores of objects have with fixed models, and what
-        has no points, are among them.
+        It is one by a link or by another object, or one by a fixed model that
+        touches an object's core, or its shape where that has no points.
         """
         found = []
         for particle in particles:
@@ -135,7 +135,7 @@ class PenetrationResolver:
         contacts = self._contacts.Find(q[particles][:, self._model.object_q])
         allowed = allowed_depth(contacts.normals[:, 2])
         excess = contacts.depths - _TOLERANCE * allowed
-        order = np.argsort(excess)
+        order = np.argsort(excess, kind="stable")
         deepest = dict(zip(contacts.particles[order], order, strict=True))
         return [
             _Penetration(
