@@ -45,7 +45,7 @@ class FallLimit:
         """
         state = context.get_continuous_state_vector()
         speed = max((-state.GetAtIndex(i) for i in self.rows), default=0.0)
-        if speed * time_step <= self.max_travel:
+        if not speed * time_step > self.max_travel:  # Not a number, perhaps.
             return time_step
         step = max(self.max_travel / speed, _MIN_FALLING * time_step)
         return float(to_ticks(step))

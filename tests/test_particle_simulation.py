@@ -156,3 +156,8 @@ def test_the_steps_of_what_falls_have_a_shortest():
         limit = MakeFallLimit(simulation.contact, np.array(active), travel)
         found = limit.TimeStep(simulation.context, step)
         assert found == pytest.approx(expected, abs=1e-6)
+    limit = MakeFallLimit(simulation.contact, np.array([True, False]), 1e-3)
+    state = simulation.context.get_continuous_state_vector().CopyToVector()
+    state[limit.rows] = np.nan
+    simulation.context.SetContinuousState(state)
+    assert limit.TimeStep(simulation.context, step) == step
