@@ -8,7 +8,8 @@ import pytest
 from pbpf_drake.log_error import LogError
 from pbpf_drake.log_reader import ReadLog
 
-NUM_SEEDS = 30
+# 2,000 copies in all.
+NUM_SEEDS = 400
 
 
 def _sqlite(path, entries):
