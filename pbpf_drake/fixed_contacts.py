@@ -135,22 +135,13 @@ class FixedContacts:
         p_WP = p_WO + solid.p_BP @ to_W
         distance, normal = fixed.Distance(p_WP)
         yield _columns(near, k, p_WP, normal, solid.radius - distance)
-        in_reach = _squared_distances(p_WO[:, 0], fixed.p_BP) <= radius**2
+        in_reach = np.linalg.norm(fixed.p_BP - p_WO, axis=-1) <= radius
         points = np.flatnonzero(in_reach.any(axis=0))
         if not len(points):
             return
         p_WP = np.broadcast_to(fixed.p_BP[points], (len(near), len(points), 3))
         distance, normal = solid.Distance((p_WP - p_WO) @ to_O)
         yield _columns(near, k, p_WP, -normal @ to_W, fixed.radius - distance)
-
-
-def _squared_distances(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Returns |p - q|², (n, m), of points (n, 3) and (m, 3)."""
-    return (
-        np.einsum("ni,ni->n", p, p)[:, None]
-        + np.einsum("mi,mi->m", q, q)
-        - 2 * p @ q.T
-    )
 
 
 def _columns(

@@ -30,14 +30,18 @@ class ParticlePhysics:
     Args:
         model: the scene's models.
         parameters: the draws of θ, arrays (M, K).
+        contacts: of the same scene.
     """
 
     def __init__(
-        self, model: PredictionModel, parameters: PhysicalParameters
+        self,
+        model: PredictionModel,
+        parameters: PhysicalParameters,
+        contacts: FixedContacts,
     ) -> None:
         self._model = model
         self._parameters = parameters
-        self._contacts = FixedContacts(model)
+        self._contacts = contacts
         self._contact_models: dict[Links, ContactModel] = {}
         self._resolvers: dict[Links, PenetrationResolver] = {}
         self._pool = PredictionPool(self._MakeSimulator)

@@ -99,6 +99,8 @@ class PenetrationResolver:
         # Where each object was pushed to by what doesn't give way.
         pushed = np.zeros((*supports.shape[:2], _MAX_PUSHES, 3))
         num_pushes = np.zeros(len(q), dtype=int)
+        # Which may still be in links or objects, and which have moved since the
+        # fixed models were looked at. These wait until none of those is left.
         left, moved = list(range(len(q))), set(range(len(q)))
         while left or moved:
             found = self._FindPairs(q, left)
@@ -136,6 +138,7 @@ class PenetrationResolver:
         allowed = allowed_depth(contacts.normals[:, 2])
         excess = contacts.depths - _TOLERANCE * allowed
         order = np.argsort(excess, kind="stable")
+        # Of each particle's, the last counts.
         deepest = dict(zip(contacts.particles[order], order, strict=True))
         return [
             _Penetration(

@@ -90,7 +90,7 @@ class PhysicsMotionModel:
         return PhysicsScratch(
             kinematics=self._model.diagram.plant().CreateDefaultContext(),
             crew=Crew(
-                ParticlePhysics(self._model, self._parameters),
+                ParticlePhysics(self._model, self._parameters, self._contacts),
                 self._config.parallelism,
             ),
         )

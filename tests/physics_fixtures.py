@@ -22,7 +22,7 @@ from pbpf_drake.physical_parameters import (
 from pbpf_drake.physics_motion_model import PhysicsMotionModel
 from pbpf_drake.pose_noise import add_process_noise
 from pbpf_drake.prediction_model import MakePredictionModel, PredictionModel
-from pbpf_drake.robot_links import RobotLinks
+from pbpf_drake.robot_links import LinkMotion, RobotLinks
 from pbpf_drake.scene import Scene
 from pbpf_drake.ticks import to_ticks
 
@@ -184,6 +184,12 @@ def straight_path(start, velocity, *, duration=0.16, samples=9) -> ControlPath:
     """Returns a robot's straight motion at a steady speed."""
     times = np.linspace(0.0, duration, samples)
     return ControlPath(times, start + np.outer(times, velocity))
+
+
+def link_motion(model: PredictionModel, path: ControlPath) -> LinkMotion:
+    """Returns how the robot's links move while its joints follow a path."""
+    context = model.diagram.plant().CreateDefaultContext()
+    return RobotLinks(model=model).Motion(path, context)
 
 
 def make_motion(poses, velocities, path, *, step=1, active=None) -> MotionInput:

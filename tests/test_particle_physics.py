@@ -2,16 +2,17 @@ import numpy as np
 from physics_fixtures import (
     TOUCHING,
     blocks_in_the_way,
+    link_motion,
     make_model,
     still,
     straight_path,
 )
 import pytest
 
+from pbpf_drake.fixed_contacts import FixedContacts
 from pbpf_drake.parameter_bank import DrawParameterBank
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.particle_physics import ParticlePhysics
-from pbpf_drake.robot_links import RobotLinks
 
 NUM = 8
 PROBE = (0,)
@@ -24,13 +25,12 @@ def block():
 
 def _physics(model) -> ParticlePhysics:
     config = ParticleFilterConfig(num_particles=NUM)
-    return ParticlePhysics(model, DrawParameterBank(config, 1))
+    parameters = DrawParameterBank(config, 1)
+    return ParticlePhysics(model, parameters, FixedContacts(model))
 
 
 def _links(model):
-    path = straight_path(TOUCHING, [0.1, 0.0])
-    context = model.diagram.plant().CreateDefaultContext()
-    return RobotLinks(model=model).Motion(path, context)
+    return link_motion(model, straight_path(TOUCHING, [0.1, 0.0]))
 
 
 def _simulate(physics, model, rows, *, chosen=PROBE, draws=None):

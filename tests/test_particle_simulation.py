@@ -5,6 +5,7 @@ from physics_fixtures import (
     GRAVITY,
     HEIGHTS,
     Simulation,
+    link_motion,
     make_model,
     straight_path,
 )
@@ -17,7 +18,6 @@ from pbpf_drake.particle_simulation import (
     simulate,
     split_states,
 )
-from pbpf_drake.robot_links import RobotLinks
 from pbpf_drake.ticks import to_ticks
 
 
@@ -43,11 +43,7 @@ def _fall_limit(simulation, max_travel: float = 1.0):
 
 
 def _simulate(simulation, velocities, time_step: float = 0.01):
-    model = simulation.model
-    links = RobotLinks(model=model).Motion(
-        straight_path(AWAY, [0.1, 0.0]),
-        model.diagram.plant().CreateDefaultContext(),
-    )
+    links = link_motion(simulation.model, straight_path(AWAY, [0.1, 0.0]))
     poses = np.array([[*FLAT, 0.0, 0.0, 2.0], [*FLAT, 0.5, 0.0, 3.0]])
     (state,) = make_states(
         simulation.contact,
@@ -118,11 +114,8 @@ def test_the_links_are_where_the_path_ends():
 def test_what_falls_takes_shorter_steps(max_travel, sinks):
     """A block falls 20 mm onto the table, which takes 64 ms."""
     simulation = Simulation(make_model("block"))
-    model = simulation.model
-    links = RobotLinks(model=model).Motion(
-        straight_path(AWAY, [0.0, 0.0], duration=0.08),
-        model.diagram.plant().CreateDefaultContext(),
-    )
+    path = straight_path(AWAY, [0.0, 0.0], duration=0.08)
+    links = link_motion(simulation.model, path)
     height = HEIGHTS["block"] + 0.02
     (state,) = make_states(
         simulation.contact,

@@ -4,6 +4,7 @@ from physics_fixtures import (
     HEIGHTS,
     PROBE_RADIUS,
     Simulation,
+    link_motion,
     make_model,
     straight_path,
     wall_at,
@@ -34,11 +35,6 @@ def probe():
     return make_model("block")
 
 
-def _motion(model, path):
-    context = model.diagram.plant().CreateDefaultContext()
-    return RobotLinks(model=model).Motion(path, context)
-
-
 def _coast(motion, duration: float) -> np.ndarray:
     """Where links get that keep their first velocity, (L, 7)."""
     q, p = motion.poses[0, :, :4], motion.poses[0, :, 4:]
@@ -67,7 +63,7 @@ def test_poses_are_those_of_the_arms_kinematics(panda):
 
 
 def test_a_straight_motion_is_one_piece(probe):
-    motion = _motion(probe, straight_path([0.1, 0.2], [0.03, -0.04]))
+    motion = link_motion(probe, straight_path([0.1, 0.2], [0.03, -0.04]))
     np.testing.assert_allclose(motion.times, to_ticks([0.0, 0.16]))
     np.testing.assert_allclose(motion.poses[:, 0, 4], [0.1, 0.1048])
     np.testing.assert_allclose(
@@ -81,13 +77,13 @@ def test_travel_is_a_way_there_and_back(probe):
     path = ControlPath(
         np.array([1, 2, 4]), np.array([[0, 0], [0.2, 0], [0, 0]])
     )
-    motion = _motion(probe, path)
+    motion = link_motion(probe, path)
     assert motion.travel == pytest.approx(0.4)
     assert motion.speed == pytest.approx(0.2)
 
 
 def test_a_robot_at_rest_does_not_move(panda):
-    motion = _motion(panda, straight_path(np.full(9, 0.1), np.zeros(9)))
+    motion = link_motion(panda, straight_path(np.full(9, 0.1), np.zeros(9)))
     assert len(motion.times) == 2
     assert motion.speed == motion.travel == 0.0
     np.testing.assert_allclose(motion.velocities, 0.0, atol=1e-12)
@@ -120,7 +116,7 @@ def test_every_part_of_an_arm_is_near_where_the_joints_put_it(panda, speed):
 
 
 def test_some_of_the_links_are_a_part_of_all(panda):
-    motion = _motion(panda, straight_path(np.zeros(9), np.full(9, 0.3)))
+    motion = link_motion(panda, straight_path(np.zeros(9), np.full(9, 0.3)))
     some = motion.of((8, 10))
     np.testing.assert_array_equal(some.poses, motion.poses[:, [8, 10]])
     np.testing.assert_array_equal(
@@ -136,7 +132,7 @@ def test_links_coast_in_the_air_whatever_their_speed(panda):
         q, v = rng.uniform(-1, 1, (2, 9))
         simulation.set_robot(q, v)
         simulation.advance(0.16)
-        motion = _motion(panda, straight_path(q, v, samples=2))
+        motion = link_motion(panda, straight_path(q, v, samples=2))
         _assert_same_poses(simulation.links(), _coast(motion, 0.16), 2e-5)
 
 
