@@ -18,6 +18,11 @@ from typing import Any
 import warnings
 import weakref
 
+import numpy as np
+
+# In bytes.
+_LARGEST_BLOCK = 31 * 2**20
+
 # What a process works on, in its order: the arguments of each call.
 Share = Sequence[Mapping[str, Any]]
 
@@ -36,6 +41,7 @@ class Crew:
     """
 
     def __init__(self, target: Any, size: int) -> None:
+        _keep_freed_memory()
         self._target = target
         self._size = size
         self._helpers: dict[int, _Helper] = {}
@@ -154,6 +160,16 @@ class _Helper:
             number, answer = self._line.recv()
             if number == self._num_asked:
                 return answer
+
+
+def _keep_freed_memory() -> None:
+    """Makes arrays of this process, and of its copies, be made of old memory.
+
+    By default the C library returns the memory of large arrays to the system,
+    and getting it back takes longer than calculating with it. It keeps twice as
+    much as the largest block that was ever freed, if that is less than 32 MiB.
+    """
+    np.empty(_LARGEST_BLOCK, dtype=np.uint8)
 
 
 def _can_copy() -> bool:

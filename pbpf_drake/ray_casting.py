@@ -18,6 +18,12 @@ from pydrake.geometry import (
 from pydrake.math import RigidTransform
 
 from pbpf_drake import quaternions
+from pbpf_drake.ray_culling import (
+    coordinates,
+    ends_behind,
+    near_ball,
+    near_cones,
+)
 from pbpf_drake.ray_shapes import MakeRayShape
 
 
@@ -66,25 +72,41 @@ class OccluderSet:
         first = np.full(targets.shape[:-1], np.inf)
         if not self._ids or not first.size:
             return first
+        num_rays = targets.shape[-2] if targets.ndim > 1 else 1
+        ways = coordinates((targets - origin).reshape(-1, num_rays, 3))
         X_WG = [query_object.GetPoseInWorld(id) for id in self._ids]
         p_OG = np.array([X.translation() for X in X_WG]) - origin
-        ways = targets - origin
-        d = ways.reshape(-1, 3)
-        may_hit = np.flatnonzero(_near_cone(d, p_OG, self._radii))
-        near = _near_balls(ways, p_OG[may_hit], self._radii[may_hit])
+        near = near_cones(ways, p_OG, self._radii[:, None])
+        rays = np.arange(first.size).reshape(ways.shape[1:])
         t = first.reshape(-1)
-        for i, rays_near in zip(
-            may_hit, near.reshape(len(d), -1).T, strict=True
-        ):
-            rays = np.flatnonzero(rays_near)
-            if not len(rays):
-                continue
-            R_WG = X_WG[i].rotation().matrix()
-            hits = self._shapes[i].intersect(
-                -p_OG[i] @ R_WG, _turned(d[rays], R_WG)
+        for i in np.flatnonzero(near.any(axis=1)).tolist():
+            some = near[i] if not near[i].all() else slice(None)
+            chosen, t_hit = self._CastAt(
+                i, X_WG[i], p_OG[i], ways[:, some].reshape(3, -1)
             )
-            t[rays] = np.minimum(t[rays], hits)
+            hit = rays[some].reshape(-1)[chosen]
+            t[hit] = np.minimum(t[hit], t_hit)
         return np.where(first <= 1, first, np.inf)
+
+    def _CastAt(
+        self, i: int, X_WG: RigidTransform, p_OG: np.ndarray, d: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Returns which rays may hit a geometry, (n,), and their t, (n,).
+
+        Args:
+            i: which geometry.
+            X_WG: its pose.
+            p_OG: (3,) from the rays' origin to it, in the world.
+            d: (3, N) from the rays' origin to their targets.
+        """
+        shape, R_WG = self._shapes[i], X_WG.rotation().matrix()
+        o = -p_OG @ R_WG
+        may_hit = ends_behind(d, o, R_WG, shape.bounds)
+        may_hit &= near_ball(d, p_OG, shape.bounding_radius)
+        chosen = np.flatnonzero(may_hit)
+        if not len(chosen):
+            return chosen, np.zeros(0)
+        return chosen, shape.intersect(o, _turned(d[:, chosen], R_WG))
 
 
 def CastRays(
@@ -122,6 +144,14 @@ class RayBody:
             for shape, X in zip(shapes, X_BG, strict=True)
         ]
 
+    @property
+    def bounding_radius(self) -> float:
+        """The radius (in meters) of a ball around B's origin that holds it."""
+        return max(
+            float(np.linalg.norm(p_BG)) + shape.bounding_radius
+            for shape, _, p_BG in self._shapes
+        )
+
     def Cast(
         self, *, poses: np.ndarray, origin: np.ndarray, targets: np.ndarray
     ) -> np.ndarray:
@@ -141,52 +171,28 @@ class RayBody:
         R_BW = quaternions.rotate(poses[:, None, :4], np.eye(3))
         R_WB = np.swapaxes(R_BW, 1, 2)
         o_B = (origin - poses[:, None, 4:7]) @ R_WB
-        d_B = (targets - origin).reshape(len(poses), -1, 3) @ R_WB
-        t = np.full(d_B.shape[:-1], np.inf)
+        num_rays = int(np.prod(targets.shape[1:-1]))
+        d = coordinates((targets - origin).reshape(len(poses), num_rays, 3))
+        t = np.full(d.shape[1:], np.inf)
         for shape, R_BG, p_BG in self._shapes:
-            hits = shape.intersect((o_B - p_BG) @ R_BG, d_B @ R_BG)
+            d_G = _turned(d, (R_WB @ R_BG)[:, None])
+            hits = shape.intersect((o_B - p_BG) @ R_BG, d_G)
             t = np.minimum(t, hits)
         return t.reshape(targets.shape[:-1])
 
 
-def _near_cone(
-    d: np.ndarray, p_OG: np.ndarray, radii: np.ndarray
-) -> np.ndarray:
-    """Returns which balls any ray from 0 along d (N, 3) may hit, (G,).
+def _turned(d: np.ndarray, R: np.ndarray) -> np.ndarray:
+    """Returns d (3, ...) in another frame, (..., 3).
 
-    All targets are within ρ of their middle, so all rays are within ρ of the
-    line to there.
-    """
-    middle = d.mean(axis=0)
-    spread = np.sqrt(np.max(np.sum((d - middle) ** 2, axis=-1)))
-    u = p_OG @ middle / max(middle @ middle, 1e-300)
-    nearest = np.clip(u, 0.0, 1.0)[:, None] * middle
-    return np.linalg.norm(p_OG - nearest, axis=-1) <= radii + spread + 1e-6
-
-
-def _near_balls(
-    d: np.ndarray, p_OG: np.ndarray, radii: np.ndarray
-) -> np.ndarray:
-    """Returns which rays from 0 along d may hit which ball, (..., N, G).
-
-    The product of a large matrix would wake the threads of numpy's BLAS, which
-    then keep the other cores busy for a while; those of small ones don't.
+    It has the same bits, however many rays there are, as a matrix product
+    wouldn't.
 
     Args:
-        d: (..., N, 3), with a small N.
-        p_OG: (G, 3) the balls' centres.
-        radii: (G,).
+        d: vectors in A.
+        R: (..., 3, 3) R_AB of the other frame B.
     """
-    length = np.linalg.norm(d, axis=-1, keepdims=True)
-    distance = np.linalg.norm(p_OG, axis=-1)
-    # From outside, a ray that touches the ball has come this far; the slack
-    # is far above rounding errors.
-    tangent = np.sqrt(np.maximum(distance**2 - radii**2, 0.0)) - 1e-6
-    tangent[distance <= radii] = -np.inf
-    tangent[distance - radii > np.max(length) + 1e-6] = np.inf
-    return (d / np.maximum(length, 1e-300)) @ p_OG.T >= tangent
-
-
-def _turned(d: np.ndarray, R: np.ndarray) -> np.ndarray:
-    """Returns d @ R, (N, 3): the same bits, however many rays there are."""
-    return d[:, :1] * R[0] + d[:, 1:2] * R[1] + d[:, 2:] * R[2]
+    turned = [
+        d[0] * R[..., 0, i] + d[1] * R[..., 1, i] + d[2] * R[..., 2, i]
+        for i in range(3)
+    ]
+    return np.moveaxis(np.stack(turned), 0, -1)

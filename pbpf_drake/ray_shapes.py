@@ -38,10 +38,15 @@ class RayShape(Protocol):
     Attributes:
         bounding_radius: radius (in meters) of a sphere around the origin of G
             that contains the shape; inf if there is none.
+        bounds: the lowest and the highest coordinates in G (in meters) of
+            anything in the shape, (3,) each; inf where there is no limit.
     """
 
     @property
     def bounding_radius(self) -> float: ...
+
+    @property
+    def bounds(self) -> Interval: ...
 
     def intersect(self, o: np.ndarray, d: np.ndarray) -> np.ndarray:
         """Returns where rays first touch the solid.
@@ -70,6 +75,11 @@ class RayBox:
         """See RayShape."""
         return float(np.linalg.norm(self.half_size))
 
+    @property
+    def bounds(self) -> Interval:
+        """See RayShape."""
+        return -self.half_size, self.half_size
+
     def intersect(self, o: np.ndarray, d: np.ndarray) -> np.ndarray:
         """See RayShape."""
         t_in, t_out = _slab_interval(o, d, self.half_size)
@@ -91,6 +101,11 @@ class RayEllipsoid:
         """See RayShape."""
         return float(np.max(self.radii))
 
+    @property
+    def bounds(self) -> Interval:
+        """See RayShape."""
+        return -self.radii, self.radii
+
     def intersect(self, o: np.ndarray, d: np.ndarray) -> np.ndarray:
         """See RayShape."""
         return _entry(*_ball_interval(o / self.radii, d / self.radii))
@@ -108,6 +123,12 @@ class RayCylinder:
     def bounding_radius(self) -> float:
         """See RayShape."""
         return float(np.hypot(self.radius, self.half_length))
+
+    @property
+    def bounds(self) -> Interval:
+        """See RayShape."""
+        half = np.array([self.radius, self.radius, self.half_length])
+        return -half, half
 
     def intersect(self, o: np.ndarray, d: np.ndarray) -> np.ndarray:
         """See RayShape."""
@@ -135,6 +156,12 @@ class RayCapsule:
         """See RayShape."""
         return self.radius + self.half_length
 
+    @property
+    def bounds(self) -> Interval:
+        """See RayShape."""
+        half = np.array([self.radius, self.radius, self.bounding_radius])
+        return -half, half
+
     def intersect(self, o: np.ndarray, d: np.ndarray) -> np.ndarray:
         """See RayShape."""
         ball = RayEllipsoid(np.full(3, self.radius))
@@ -156,11 +183,13 @@ class RayPolytope:
     # Distances of the faces' planes from G's origin (in meters), (F,).
     offsets: np.ndarray
     bounding_radius: float
+    # See RayShape.
+    bounds: Interval
 
     def intersect(self, o: np.ndarray, d: np.ndarray) -> np.ndarray:
         """See RayShape."""
-        depth = self.offsets - o @ self.normals.T
-        rate = d @ self.normals.T
+        depth = self.offsets - _dot(o[..., None, :], self.normals)
+        rate = _dot(d[..., None, :], self.normals)
         enters = rate < 0
         t = depth / np.where(rate == 0, _TINY, rate)
         return _entry(
@@ -188,12 +217,22 @@ def MakeRayShape(shape: Shape) -> RayShape:
         case Capsule():
             return RayCapsule(shape.radius(), 0.5 * shape.length())
         case HalfSpace():
-            return RayPolytope(np.array([[0.0, 0, 1]]), np.zeros(1), np.inf)
+            return _half_space()
         case Convex() | Mesh():
             return _make_polytope(shape.GetConvexHull())
     raise ValueError(
         f"no rays can be cast at {shape}; expected a Box, Sphere, Ellipsoid, "
         "Cylinder, Capsule, HalfSpace, Convex or Mesh"
+    )
+
+
+def _half_space() -> RayPolytope:
+    """Returns the points of G with z <= 0."""
+    return RayPolytope(
+        normals=np.array([[0.0, 0.0, 1.0]]),
+        offsets=np.zeros(1),
+        bounding_radius=np.inf,
+        bounds=(np.full(3, -np.inf), np.array([np.inf, np.inf, 0.0])),
     )
 
 
@@ -203,9 +242,10 @@ def _make_polytope(hull: PolygonSurfaceMesh) -> RayPolytope:
     normals = np.array([hull.face_normal(f) for f in faces])
     corners = vertices[[hull.element(f).vertex(0) for f in faces]]
     return RayPolytope(
-        normals,
-        np.einsum("fi,fi->f", normals, corners),
-        float(np.max(np.linalg.norm(vertices, axis=-1))),
+        normals=normals,
+        offsets=np.einsum("fi,fi->f", normals, corners),
+        bounding_radius=float(np.max(np.linalg.norm(vertices, axis=-1))),
+        bounds=(vertices.min(axis=0), vertices.max(axis=0)),
     )
 
 
@@ -226,10 +266,18 @@ def _slab_interval(
 
 def _ball_interval(o: np.ndarray, d: np.ndarray) -> Interval:
     """Returns when o + t d is in the unit ball; empty where it never is."""
-    a = np.maximum(np.einsum("...i,...i", d, d), _TINY)
-    b = np.einsum("...i,...i", o, d)
-    c = np.einsum("...i,...i", o, o) - 1
+    a = np.maximum(_dot(d, d), _TINY)
+    b = _dot(o, d)
+    c = _dot(o, o) - 1
     discriminant = b * b - a * c
     root = np.sqrt(np.maximum(discriminant, 0.0))
     missed = np.where(discriminant < 0, np.inf, 0.0)
     return (-b - root) / a + missed, (-b + root) / a - missed
+
+
+def _dot(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Returns u · v, (...): the same bits, however u and v lie in memory."""
+    total = u[..., 0] * v[..., 0]
+    for i in range(1, u.shape[-1]):
+        total = total + u[..., i] * v[..., i]
+    return total

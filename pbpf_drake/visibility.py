@@ -17,6 +17,7 @@ from pbpf_drake import quaternions
 from pbpf_drake.particle_filter_config import VisibilityConfig
 from pbpf_drake.process_crew import Crew
 from pbpf_drake.ray_casting import CastRays, OccluderSet, RayBody
+from pbpf_drake.ray_culling import coordinates, near_cones
 from pbpf_drake.scene import CameraConfig, Scene
 from pbpf_drake.scene_models import AddSceneModels
 from pbpf_drake.surface_sampling import BodySurface
@@ -198,17 +199,40 @@ class VisibilityModel:
         robot_positions: np.ndarray,
         context: Context,
     ) -> np.ndarray:
-        """Returns which rays enter their own object first, (M, K, R)."""
+        """Returns which rays enter their own object first, (m, T, R)."""
         hidden_at = self._CastAtRobotAndFixed(p_WT, robot_positions, context)
         own = np.empty_like(hidden_at)
+        may_hide = self._MayHide(particles, tracked, p_WT)
         for k, body in enumerate(tracked):
-            t = self._bodies[body].Cast(
-                poses=particles[:, k], origin=self._origin, targets=p_WT
+            own[:, k] = self._bodies[body].Cast(
+                poses=particles[:, k], origin=self._origin, targets=p_WT[:, k]
             )
-            own[:, k] = t[:, k]
-            t[:, k] = np.inf
-            hidden_at = np.minimum(hidden_at, t)
+            m, other = np.nonzero(may_hide[k])
+            if not len(m):
+                continue
+            t = self._bodies[body].Cast(
+                poses=particles[m, k],
+                origin=self._origin,
+                targets=p_WT[m, other],
+            )
+            hidden_at[m, other] = np.minimum(hidden_at[m, other], t)
         return own <= hidden_at
+
+    def _MayHide(
+        self, particles: np.ndarray, tracked: np.ndarray, p_WT: np.ndarray
+    ) -> np.ndarray:
+        """Returns which object may hide anything of which other, (T, m, T)."""
+        num_tracked = len(tracked)
+        radii = np.array([self._bodies[k].bounding_radius for k in tracked])
+        p_WO = np.swapaxes(particles[..., 4:7], 0, 1)
+        near = near_cones(
+            coordinates((p_WT - self._origin).reshape(-1, *p_WT.shape[2:])),
+            np.repeat(p_WO - self._origin, num_tracked, axis=1),
+            radii[:, None],
+        ).reshape(num_tracked, *p_WT.shape[:2])
+        itself = np.arange(num_tracked)
+        near[itself, :, itself] = False
+        return near
 
     def _CastAtRobotAndFixed(
         self, p_WT: np.ndarray, robot_positions: np.ndarray, context: Context

@@ -5,6 +5,7 @@ import gc
 import logging
 import multiprocessing
 import os
+import platform
 import signal
 import subprocess
 import sys
@@ -200,3 +201,37 @@ def test_a_daemonic_process_does_everything_itself():
 def _run_in_daemon(queue) -> None:
     results = Crew(Counter(), 2).Run(Counter.Add, [_arguments(1)] * 2)
     queue.put((os.getpid(), {pid for part in results for pid, _, _ in part}))
+
+
+_FAULTS_AFTER_CREW = """
+import resource
+import numpy as np
+from pbpf_drake.process_crew import Crew
+if {with_crew}:
+    Crew(None, 1)
+def make_arrays():
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    arrays = [np.ones(2**17) for _ in range(20)]
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+print([make_arrays() for _ in range(5)][-1])
+"""
+
+
+@pytest.mark.skipif(
+    platform.libc_ver()[0] != "glibc", reason="it is glibc that gives it back"
+)
+def test_memory_of_large_arrays_is_got_from_the_system_only_once():
+    faults = {
+        with_crew: int(
+            subprocess.run(
+                [sys.executable, "-c", script],
+                check=True,
+                capture_output=True,
+                text=True,
+            ).stdout
+        )
+        for with_crew in (False, True)
+        if (script := _FAULTS_AFTER_CREW.format(with_crew=with_crew))
+    }
+    assert faults[False] > 1000  # 20 MiB have 5120 pages.
+    assert faults[True] < 100

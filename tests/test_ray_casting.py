@@ -17,6 +17,7 @@ from sphere_tracing import trace
 
 from pbpf_drake import quaternions
 from pbpf_drake.ray_casting import CastRays, OccluderSet, RayBody
+from pbpf_drake.ray_shapes import MakeRayShape
 
 SHAPES = [
     Box(0.3, 0.2, 0.5),
@@ -128,6 +129,56 @@ def test_targets_keep_their_shape():
     assert t.shape == (2, 3, 5)
     one_by_one = [CastRays(**cast, targets=p) for p in targets.reshape(-1, 3)]
     np.testing.assert_array_equal(t.ravel(), one_by_one)
+
+
+def test_it_makes_no_difference_which_targets_are_together():
+    rng = np.random.default_rng(4)
+    poses = [_random_pose(rng, 0.8) for _ in SHAPES]
+    floor = RigidTransform([0, 0, -0.9])
+    world = _World([*SHAPES, HalfSpace()], [*poses, floor])
+    middles = rng.uniform(-1.2, 1.2, (40, 1, 3))
+    targets = middles + rng.uniform(-0.1, 0.1, (40, 25, 3))
+    # Some of them on the floor, where they are just reached or just not.
+    targets[:10, :, 2] = -0.9 + rng.choice([1e-9, -1e-9, 1e-5], (10, 25))
+    occluders = OccluderSet(
+        inspector=world.scene_graph.model_inspector(), geometry_ids=world.ids
+    )
+    cast = {
+        "query_object": world.query_object(),
+        "origin": np.array([1.6, 0.3, 1.2]),
+    }
+    t = occluders.Cast(**cast, targets=targets)
+    alone = [occluders.Cast(**cast, targets=p) for p in targets.reshape(-1, 3)]
+    np.testing.assert_array_equal(t.ravel(), alone)
+    # And without leaving any out: each shape meets every ray.
+    d = targets - cast["origin"]
+    all_hits = []
+    for id, shape in zip(world.ids, [*SHAPES, HalfSpace()], strict=True):
+        X_WG = world.query_object().GetPoseInWorld(id)
+        R, o = X_WG.rotation().matrix(), X_WG.inverse() @ cast["origin"]
+        all_hits.append(MakeRayShape(shape).intersect(o, d @ R))
+    first = np.min(all_hits, axis=0)
+    sure = np.abs(first - 1) > 1e-9
+    expected = np.where(first <= 1, first, np.inf)
+    np.testing.assert_allclose(t[sure], expected[sure], rtol=1e-9)
+    assert 100 < np.count_nonzero(np.isfinite(t)) < 900
+
+
+def test_a_body_is_within_its_bounding_ball():
+    rng = np.random.default_rng(7)
+    X_BG = [_random_pose(rng, 0.3) for _ in SHAPES]
+    body = RayBody(shapes=SHAPES, X_BG=X_BG)
+    pose = np.array([[1.0, 0, 0, 0, 0, 0, 0]])
+    outward = rng.normal(size=(1, 5000, 3))
+    outward /= np.linalg.norm(outward, axis=-1, keepdims=True)
+    for n in outward[0, :50]:
+        origin = 3 * n
+        side = np.cross(n, rng.normal(size=3))
+        beside = side / np.linalg.norm(side) * body.bounding_radius * 1.001
+        targets = (origin + beside - 6 * n)[None, None]
+        t = body.Cast(poses=pose, origin=origin + beside, targets=targets)
+        assert np.isinf(t).all()
+    assert body.bounding_radius < 1.2
 
 
 def test_bodies_of_particles_are_hit_where_the_scene_graph_has_them():

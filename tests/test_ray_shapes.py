@@ -127,6 +127,18 @@ def test_the_bounding_ball_contains_the_shape_and_no_more_than_it_must(name):
     assert np.any(level(directions * radius * 0.98) < 0)
 
 
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_bounds_contain_the_shape_and_no_more_than_they_must(name):
+    shape, level = SHAPES[name]
+    low, high = MakeRayShape(shape).bounds
+    p = np.random.default_rng(1).uniform(-0.5, 0.5, (200_000, 3))
+    inside = p[level(p) <= 0]
+    assert np.all((inside >= low) & (inside <= high))
+    reached = np.clip([low, high], -0.5, 0.5)
+    found = [inside.min(axis=0), inside.max(axis=0)]
+    np.testing.assert_allclose(found, reached, atol=0.03)
+
+
 def test_a_mesh_is_its_scaled_convex_hull(tmp_path):
     path = tmp_path / "hull.obj"
     vertices = "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS.tolist())
