@@ -167,7 +167,8 @@ def _keep_freed_memory() -> None:
 
     By default the C library returns the memory of large arrays to the system,
     and getting it back takes longer than calculating with it. It keeps twice as
-    much as the largest block that was ever freed, if that is less than 32 MiB.
+    much as the largest block that was ever freed, if that is less than 32 MiB
+    and the environment has no other limit for it (MALLOC_TRIM_THRESHOLD_).
     """
     np.empty(_LARGEST_BLOCK, dtype=np.uint8)
 
