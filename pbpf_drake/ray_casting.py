@@ -19,6 +19,7 @@ from pydrake.math import RigidTransform
 
 from pbpf_drake import quaternions
 from pbpf_drake.ray_culling import (
+    along,
     coordinates,
     ends_behind,
     near_ball,
@@ -76,7 +77,7 @@ class OccluderSet:
         ways = coordinates((targets - origin).reshape(-1, num_rays, 3))
         X_WG = [query_object.GetPoseInWorld(id) for id in self._ids]
         p_OG = np.array([X.translation() for X in X_WG]) - origin
-        near = near_cones(ways, p_OG, self._radii[:, None])
+        near = near_cones(ways, p_OG[:, None], self._radii[:, None])
         rays = np.arange(first.size).reshape(ways.shape[1:])
         t = first.reshape(-1)
         for i in np.flatnonzero(near.any(axis=1)).tolist():
@@ -143,13 +144,13 @@ class RayBody:
             (MakeRayShape(shape), X.rotation().matrix(), X.translation())
             for shape, X in zip(shapes, X_BG, strict=True)
         ]
-
-    @property
-    def bounding_radius(self) -> float:
-        """The radius (in meters) of a ball around B's origin that holds it."""
-        return max(
-            float(np.linalg.norm(p_BG)) + shape.bounding_radius
-            for shape, _, p_BG in self._shapes
+        # The radius (in meters) of a ball around B's origin that holds it.
+        self.bounding_radius = max(
+            (
+                float(np.linalg.norm(p_BG)) + shape.bounding_radius
+                for shape, _, p_BG in self._shapes
+            ),
+            default=0.0,
         )
 
     def Cast(
@@ -184,15 +185,9 @@ class RayBody:
 def _turned(d: np.ndarray, R: np.ndarray) -> np.ndarray:
     """Returns d (3, ...) in another frame, (..., 3).
 
-    It has the same bits, however many rays there are, as a matrix product
-    wouldn't.
-
     Args:
         d: vectors in A.
         R: (..., 3, 3) R_AB of the other frame B.
     """
-    turned = [
-        d[0] * R[..., 0, i] + d[1] * R[..., 1, i] + d[2] * R[..., 2, i]
-        for i in range(3)
-    ]
-    return np.moveaxis(np.stack(turned), 0, -1)
+    turned = np.stack([along(d, R[..., i]) for i in range(3)])
+    return np.moveaxis(turned, 0, -1)

@@ -18,6 +18,15 @@ def coordinates(vectors: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.moveaxis(vectors, -1, 0))
 
 
+def along(d: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """Returns n · d of vectors d (3, ...) and n (..., 3), (...).
+
+    It has the same bits, however many vectors there are, as a matrix product
+    wouldn't.
+    """
+    return d[0] * n[..., 0] + d[1] * n[..., 1] + d[2] * n[..., 2]
+
+
 def near_cones(
     ways: np.ndarray, p_OG: np.ndarray, radii: np.ndarray
 ) -> np.ndarray:
@@ -28,14 +37,12 @@ def near_cones(
 
     Args:
         ways: (3, N, R) from the rays' origin to their targets.
-        p_OG: (G, 3) or (G, N, 3) from there to the balls' centres.
-        radii: (G, 1) or (G, N) of the balls.
+        p_OG: (G, 1 or N, 3) from there to the balls' centres.
+        radii: (G, 1 or N) of the balls.
     """
     low, high = ways.min(axis=-1).T, ways.max(axis=-1).T
     middle = (low + high) / 2
     spread = np.linalg.norm(high - low, axis=-1) / 2
-    if p_OG.ndim == 2:
-        p_OG = p_OG[:, None]
     length = np.einsum("ni,ni->n", middle, middle)
     u = (p_OG * middle).sum(axis=-1) / np.maximum(length, 1e-300)
     beside = p_OG - np.clip(u, 0.0, 1.0)[..., None] * middle
@@ -62,8 +69,7 @@ def ends_behind(
     if outside[side, axis] <= 0:
         return np.ones(d.shape[1], dtype=bool)
     n = R_WG[:, axis] if side else -R_WG[:, axis]
-    along = d[0] * n[0] + d[1] * n[1] + d[2] * n[2]
-    return along <= _SLACK - outside[side, axis]
+    return along(d, n) <= _SLACK - outside[side, axis]
 
 
 def near_ball(d: np.ndarray, p_OG: np.ndarray, radius: float) -> np.ndarray:
@@ -73,5 +79,5 @@ def near_ball(d: np.ndarray, p_OG: np.ndarray, radius: float) -> np.ndarray:
         return np.ones(d.shape[1], dtype=bool)
     # A ray that touches the ball from outside has come this far.
     tangent = np.sqrt(distance**2 - radius**2) - _SLACK
-    along = d[0] * p_OG[0] + d[1] * p_OG[1] + d[2] * p_OG[2]
-    return along >= tangent * np.sqrt(d[0] ** 2 + d[1] ** 2 + d[2] ** 2)
+    length = np.sqrt(d[0] ** 2 + d[1] ** 2 + d[2] ** 2)
+    return along(d, p_OG) >= tangent * length

@@ -223,6 +223,8 @@ class VisibilityModel:
     ) -> np.ndarray:
         """Returns which object may hide anything of which other, (T, m, T)."""
         num_tracked = len(tracked)
+        if num_tracked == 1:
+            return np.zeros((1, len(particles), 1), dtype=bool)
         radii = np.array([self._bodies[k].bounding_radius for k in tracked])
         p_WO = np.swapaxes(particles[..., 4:7], 0, 1)
         near = near_cones(

@@ -15,13 +15,13 @@ from pbpf_drake.ray_shapes import MakeRayShape
 def test_a_ball_that_any_ray_of_a_group_meets_is_near_the_group():
     rng = np.random.default_rng(6)
     ways = rng.normal(size=(60, 1, 3)) + rng.normal(size=(60, 30, 3)) * 0.1
-    p_OG = rng.normal(size=(50, 3))
+    p_OG = rng.normal(size=(50, 1, 3))
     radii = rng.uniform(0.01, 0.3, (50, 1))
     near = near_cones(coordinates(ways), p_OG, radii)
     on_the_way = np.array(
         [
             (MakeRayShape(Sphere(r)).intersect(-p, ways) <= 1).any(axis=1)
-            for p, (r,) in zip(p_OG, radii, strict=True)
+            for (p,), (r,) in zip(p_OG, radii, strict=True)
         ]
     )
     assert np.all(near[on_the_way])
