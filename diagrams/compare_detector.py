@@ -4,7 +4,8 @@ A trace holds the errors of the last detection, held, at every update. The same
 is computed of simulated runs: each is recorded once, and what the detector
 makes of its true visibility is drawn many times. The real number should be
 among the simulated ones; there is one trace per scene at most, and beside it
-are the means of the paper's tables.
+are the means of the paper's tables. How much of the objects the images show is
+counted as well.
 
 Traces are files cracker_scene<N>_early_DOPE_<pos|ang>_<repeat>.csv with the
 columns step, time [s], error [m or rad], name, without a header.
@@ -17,6 +18,7 @@ import csv
 from functools import partial
 import itertools
 import multiprocessing
+import os
 from pathlib import Path
 import sys
 
@@ -24,11 +26,16 @@ import numpy as np
 from tqdm import tqdm
 
 from pbpf_drake import quaternions
-from pbpf_drake.diagrams.paper_values import PAPER, SCENES
+from pbpf_drake.diagrams.paper_values import (
+    PAPER,
+    SCENES,
+    paper_runs_and_repeats,
+)
 from pbpf_drake.diagrams.run_command import RunCommand
 from pbpf_drake.log import DetectionRecord, PoseRecord
 from pbpf_drake.pose_conversion import rigid_transform
 from pbpf_drake.pose_interpolation import interpolate_poses
+from pbpf_drake.recording_config import DetectorConfig
 from pbpf_drake.scene import LoadScene, Scene
 from pbpf_drake.scene_models import data_folder
 from pbpf_drake.simulated_detector import SimulatedDetector
@@ -67,9 +74,11 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     add("traces", type=Path, help="folder of the real traces")
     add("--scenes", nargs="+", choices=SCENES, default=list(SCENES),
         help="what to simulate")  # fmt: skip
-    add("--runs", type=int, default=1, help="runs to record of each scene")
+    add("--runs", type=int, default=None,
+        help="runs to record of each scene; the paper's if none")  # fmt: skip
     add("--draws", type=int, default=50, help="detectors to draw per run")
-    add("--jobs", type=int, default=1, help="recordings at a time")
+    add("--jobs", type=int, default=os.cpu_count(),
+        help="recordings at a time")  # fmt: skip
     add("--out", type=Path, default=Path("detector.csv"),
         help="CSV file to write")  # fmt: skip
     return parser.parse_args(argv)
@@ -163,6 +172,24 @@ def describe(errors: np.ndarray) -> dict[str, float]:
     return result
 
 
+def describe_images(
+    visibility: np.ndarray, config: DetectorConfig
+) -> dict[str, float]:
+    """Returns in which shares of a run's images an object is clear or hidden.
+
+    Args:
+        visibility: (N,) visible shares of the object.
+        config: says what is clear, and what is hidden.
+    """
+    clear = visibility >= config.clear_visibility
+    hidden = visibility < config.hidden_visibility
+    return {
+        "images: clear": float(clear.mean()),
+        "images: partly hidden": float((~clear & ~hidden).mean()),
+        "images: hidden": float(hidden.mean()),
+    }
+
+
 def _or_nan(
     function: Callable[[np.ndarray], float], values: np.ndarray
 ) -> float:
@@ -207,8 +234,14 @@ def _describe_run(
     name, run = scene_and_run
     scene = LoadScene(data_folder("diagrams") / "scenes" / f"{name}.yaml")
     recording = RecordRun(scene=scene, run=run)
+    images = {
+        object_name: describe_images(visibility, scene.recording.detector)
+        for object_name, visibility in zip(
+            recording.log.ground_truth, recording.visibility.T, strict=True
+        )
+    }
     return [
-        (object_name, describe(errors))
+        (object_name, images[object_name] | describe(errors))
         for draw in range(draws)
         for object_name, errors in draw_errors(
             recording, scene, 1000 * run + draw
@@ -262,7 +295,11 @@ def run(args: argparse.Namespace) -> None:
     """Records, draws and compares; see _parse for the arguments."""
     if not args.traces.is_dir():
         raise FileNotFoundError(f"There is no folder {args.traces}")
-    tasks = list(itertools.product(args.scenes, range(args.runs)))
+    tasks = [
+        (scene, run)
+        for scene in args.scenes
+        for run in range(args.runs or paper_runs_and_repeats(scene)[0])
+    ]
     found: dict[tuple[str, str], list] = {}
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(args.jobs, mp_context=context) as pool:

@@ -9,6 +9,7 @@ from recording_fixtures import make_planar_scene
 
 from pbpf_drake.diagrams.compare_detector import (
     describe,
+    describe_images,
     draw_errors,
     held_errors,
     is_stale,
@@ -17,6 +18,7 @@ from pbpf_drake.diagrams.compare_detector import (
     read_trace,
 )
 from pbpf_drake.log import DetectionRecord, PoseRecord
+from pbpf_drake.recording_config import DetectorConfig
 from pbpf_drake.truth_simulation import RecordRun
 
 TRACES = Path(__file__).resolve().parents[2] / "shared/data/dope_error_traces"
@@ -86,6 +88,17 @@ def test_what_can_not_be_counted_is_nan_and_then_empty():
     texts = {row[2]: row[3:] for row in rows}
     assert texts["position: outliers' median"] == [""] * 5
     assert texts["position: mean"][:2] == ["", "0.0520"]
+
+
+def test_every_image_is_clear_or_partly_hidden_or_hidden():
+    config = DetectorConfig(hidden_visibility=0.5, clear_visibility=0.9)
+    visibility = np.array([1.0, 0.9, 0.89, 0.5, 0.49, 0.2, 0.1, 0.0])
+    found = describe_images(visibility, config)
+    assert found == {
+        "images: clear": 2 / 8,
+        "images: partly hidden": 2 / 8,
+        "images: hidden": 4 / 8,
+    }
 
 
 def test_drawn_errors_are_a_function_of_the_seed_and_near_the_truth():
