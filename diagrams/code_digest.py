@@ -13,8 +13,8 @@ from pathlib import Path
 import platform
 
 _PACKAGE = "pbpf_drake"
-# What computes; another version may compute something else.
-_DEPENDENCIES = ("drake", "numpy", "scipy")
+# What computes, or reads and writes; another version may do something else.
+_DEPENDENCIES = ("drake", "numpy", "scipy", "mcap", "mcap-ros2-support")
 
 
 @functools.cache

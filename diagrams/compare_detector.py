@@ -13,11 +13,9 @@ columns step, time [s], error [m or rad], name, without a header.
 
 import argparse
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 import csv
 from functools import partial
 import itertools
-import multiprocessing
 import os
 from pathlib import Path
 import sys
@@ -26,6 +24,7 @@ import numpy as np
 from tqdm import tqdm
 
 from pbpf_drake import quaternions
+from pbpf_drake.diagrams.executors import LocalExecutor
 from pbpf_drake.diagrams.paper_values import (
     PAPER,
     SCENES,
@@ -291,19 +290,33 @@ def _print(rows: Sequence[Sequence[str]]) -> None:
             print(f"  {key:29}{real:>8}{paper:>8}{numbers}{mark}")
 
 
-def run(args: argparse.Namespace) -> None:
-    """Records, draws and compares; see _parse for the arguments."""
+def _check(args: argparse.Namespace) -> None:
+    """Raises ValueError or OSError if an argument can't be used."""
+    for name in "runs", "draws", "jobs":
+        value = getattr(args, name)
+        if value is not None and value < 1:
+            raise ValueError(f"--{name} is {value}; expected at least 1")
     if not args.traces.is_dir():
         raise FileNotFoundError(f"There is no folder {args.traces}")
+    if all(read_trace(args.traces, scene) is None for scene in SCENES):
+        raise FileNotFoundError(
+            f"There is no trace in {args.traces}; expected files as "
+            "cracker_scene1_early_DOPE_pos_01.csv"
+        )
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+
+
+def run(args: argparse.Namespace) -> None:
+    """Records, draws and compares; see _parse for the arguments."""
+    _check(args)
     tasks = [
         (scene, run)
         for scene in args.scenes
         for run in range(args.runs or paper_runs_and_repeats(scene)[0])
     ]
     found: dict[tuple[str, str], list] = {}
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(args.jobs, mp_context=context) as pool:
-        results = pool.map(partial(_describe_run, draws=args.draws), tasks)
+    with LocalExecutor(args.jobs) as executor:
+        results = executor.map(partial(_describe_run, draws=args.draws), tasks)
         for (scene, _), runs in zip(
             tasks, tqdm(results, total=len(tasks), desc="record"), strict=True
         ):
@@ -314,7 +327,6 @@ def run(args: argparse.Namespace) -> None:
         trace = read_trace(args.traces, scene)
         rows += make_rows(scene, object_name, simulated, trace)
     _print(rows)
-    args.out.parent.mkdir(parents=True, exist_ok=True)
     with open(args.out, "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(_COLUMNS)

@@ -1,23 +1,27 @@
-"""One recorded run of a scene, and one evaluation of a method on it.
+"""One evaluation of a method on the log of one run.
 
-Both are pure functions of what they are given, so that they can be computed
-anywhere, and stored under the key of all that they depend on. They take and
-return bytes, and read only the scene's files: a worker on another machine
-needs this package, and a scene file of one's own under the same path.
+It is a pure function of its key, so that it can be computed anywhere, and
+stored. It takes and returns bytes, and reads only the scene's files: a worker
+on another machine needs this package, and a scene file of one's own under the
+same path.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+import hashlib
 import json
 from pathlib import Path
 import tempfile
+from typing import Any
 
 import numpy as np
 
 from pbpf_drake.diagrams.code_digest import code_digest
+from pbpf_drake.diagrams.job_key import check_key
+from pbpf_drake.diagrams.scene_files import ReadSceneFiles, SceneFiles
+from pbpf_drake.diagrams.scene_run import SceneRun, scene_name
 from pbpf_drake.log import Log
 from pbpf_drake.log_reader import ReadLog
-from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.object_points import MakeObjectPoints
 from pbpf_drake.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.pose_errors import (
@@ -32,34 +36,13 @@ from pbpf_drake.pose_metrics import (
     symmetric_rotation_error,
 )
 from pbpf_drake.prediction_model import MakePredictionModel
-from pbpf_drake.scene import LoadScene, Scene
-from pbpf_drake.scene_models import data_folder
+from pbpf_drake.scene import Scene
 from pbpf_drake.symmetry import SymmetryConfig
 from pbpf_drake.track_record import TrackRecord
 from pbpf_drake.tracking import DefaultConfig, Track
-from pbpf_drake.truth_simulation import RecordRun
 
 # Of every object and update; the rotations in radians, the others in meters.
 METRICS = ("position", "rotation", "symmetric_rotation", "add", "add_s", "mssd")
-
-
-@dataclass(frozen=True)
-class SceneRun:
-    """One simulated run of a scene.
-
-    Attributes:
-        scene: the name of a scene of this package, or the path of a file.
-        run: which run; all that differs between runs is a function of it.
-        duration: of the log (in seconds); None is the scene's.
-    """
-
-    scene: str
-    run: int
-    duration: float | None = None
-
-    def name(self) -> str:
-        """Returns what to call it, in a file's name as well."""
-        return f"{scene_name(self.scene)}-run_{self.run}"
 
 
 @dataclass(frozen=True)
@@ -103,34 +86,6 @@ class Result:
     errors: Mapping[str, Mapping[str, np.ndarray]]
 
 
-def scene_name(scene: str) -> str:
-    """Returns the name of a scene, from its name or its file's path."""
-    return Path(scene).stem
-
-
-def scene_path(scene: str) -> Path:
-    """Returns the file of a scene of this package, or the path as it is."""
-    shipped = data_folder("diagrams") / "scenes" / f"{scene}.yaml"
-    return shipped if shipped.is_file() else Path(scene)
-
-
-def load_run(scene_run: SceneRun) -> Scene:
-    """Returns the scene, as this run of it is recorded.
-
-    Raises:
-        FileNotFoundError, ValueError: there is no such scene.
-    """
-    scene = LoadScene(scene_path(scene_run.scene))
-    if scene_run.duration is not None:
-        scene.recording.duration = scene_run.duration
-    return scene
-
-
-def evaluation_code() -> str:
-    """Returns the digest of the code here, to compare it with a worker's."""
-    return code_digest(__name__)
-
-
 def evaluation_config(
     evaluation: Evaluation, scene: Scene
 ) -> ParticleFilterConfig:
@@ -147,44 +102,45 @@ def evaluation_config(
     return replace(config, seed=seed, parallelism=1, adaptive_count=count)
 
 
-def record(scene_run: SceneRun, code: str) -> bytes:
-    """Simulates a run; returns its log, an MCAP file.
+def evaluation_key(
+    evaluation: Evaluation, log: bytes, files: SceneFiles
+) -> dict[str, Any]:
+    """Returns all that a result depends on.
 
     Args:
-        scene_run: which.
-        code: evaluation_code of who asks.
-
-    Raises:
-        ValueError: the scene can't be recorded, or the code here is another.
+        evaluation: which.
+        log: the MCAP file of its run.
+        files: its scene's.
     """
-    _check_code(code)
-    scene = load_run(scene_run)
-    recording = RecordRun(scene=scene, run=scene_run.run)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "log.mcap"
-        classes = {name: c for c, name in scene.object_by_class().items()}
-        WriteLog(
-            filename=path,
-            scene_topics=scene.topics,
-            log=recording.log,
-            class_ids=classes,
-        )
-        return path.read_bytes()
+    config = asdict(evaluation_config(evaluation, files.scene))
+    # Results don't depend on it.
+    del config["parallelism"]
+    return {
+        "scene": files.tracked_digest,
+        "log": hashlib.sha256(log).hexdigest(),
+        "method": evaluation.method,
+        "config": config,
+        "code": code_digest(__name__),
+    }
 
 
-def evaluate(evaluation: Evaluation, log: bytes, code: str) -> bytes:
+def evaluate(
+    evaluation: Evaluation, log: bytes, key: Mapping[str, Any]
+) -> bytes:
     """Tracks a log and compares with its truth; returns a Result as JSON.
 
     Args:
         evaluation: what to evaluate.
         log: the MCAP file of its run.
-        code: evaluation_code of who asks.
+        key: the evaluation_key of who asks.
 
     Raises:
-        ValueError: the log can't be tracked, or the code here is another.
+        ValueError, FileNotFoundError: the log can't be tracked, or the key
+            here is another.
     """
-    _check_code(code)
-    scene = LoadScene(scene_path(evaluation.scene_run.scene))
+    files = ReadSceneFiles(evaluation.scene_run.scene)
+    check_key(key, evaluation_key(evaluation, log, files))
+    scene = files.scene
     model = MakePredictionModel(scene)
     read = _read_log(log, scene, model.joint_names)
     track = Track(
@@ -266,14 +222,6 @@ def read_result(evaluation: Evaluation, data: bytes) -> Result:
 def _plain(values: np.ndarray) -> list[float | None]:
     """Returns numbers for JSON, which has no NaN."""
     return [float(x) if np.isfinite(x) else None for x in values]
-
-
-def _check_code(code: str) -> None:
-    if code != evaluation_code():
-        raise ValueError(
-            "the worker has other code, or another version of Python or of "
-            "what is installed, than the program that asks; expected the same"
-        )
 
 
 def _read_log(data: bytes, scene: Scene, joint_names: tuple[str, ...]) -> Log:

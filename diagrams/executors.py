@@ -5,6 +5,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 import multiprocessing
 import os
+import signal
 import threading
 
 _CONNECT_SECONDS = 20
@@ -57,7 +58,11 @@ def ClusterExecutor(address: str) -> Iterator[Executor]:
 
 
 def _end_with_parent() -> None:
-    """Lets this process end when the one that started it is killed."""
+    """Lets this process end when the one that started it is killed.
+
+    Or when both are interrupted from the keyboard; then without a word.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     parent = multiprocessing.parent_process()
     if parent is None:
         return

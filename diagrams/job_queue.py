@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
+    CancelledError,
     Executor,
     Future,
     wait,
@@ -24,13 +25,13 @@ class Job:
     Attributes:
         name: to call it.
         function: what to compute; other processes import it.
-        arguments: makes its arguments, when it is its turn.
+        arguments: of the function.
         cost: how long it takes, in any unit.
     """
 
     name: str
     function: Callable[..., Any]
-    arguments: Callable[[], tuple]
+    arguments: tuple
     cost: float = 1.0
 
 
@@ -57,8 +58,9 @@ def RunJobs(
     """Runs all jobs; one that fails doesn't stop the others.
 
     If a process dies, the executor of concurrent.futures is broken, and which
-    job it was isn't known. Then a new one is made, and those that were under
-    way run again, one at a time: the one to blame dies alone.
+    job it was isn't known; a cluster whose scheduler is lost cancels all that
+    it was given. Then a new one is made, and those that were under way run
+    again, one at a time: the one to blame dies alone.
 
     Args:
         jobs: what to run, in this order.
@@ -67,6 +69,9 @@ def RunJobs(
             there are workers, or some are idle.
         on_done: called with a job and its result, as soon as there is one.
         on_failure: called with a job and why it has none.
+
+    Raises:
+        Exception: whatever make_executor or on_done raises.
     """
     waiting, suspects = deque(jobs), deque[Job]()
     deaths: dict[Job, int] = {}
@@ -74,11 +79,11 @@ def RunJobs(
         queue, limit = (suspects, 1) if suspects else (waiting, ahead)
         with make_executor() as executor:
             lost = _drain(queue, executor, limit, on_done, on_failure)
-        for job in lost:
+        for job, reason in lost.items():
             if limit == 1:
                 deaths[job] = deaths.get(job, 0) + 1
             if deaths.get(job, 0) >= _ATTEMPTS:
-                on_failure(job, "the process that ran it died")
+                on_failure(job, reason)
             else:
                 suspects.append(job)
 
@@ -89,31 +94,34 @@ def _drain(
     limit: int,
     on_done: Callable[[Job, Any], None],
     on_failure: Callable[[Job, str], None],
-) -> list[Job]:
-    """Runs a queue until it is empty, or until the executor is broken.
+) -> dict[Job, str]:
+    """Runs a queue until it is empty, or until the executor is lost.
 
     Returns:
-        The jobs that were under way when it broke.
+        The jobs that were under way when it was, and what became of them.
     """
     running: dict[Future, Job] = {}
-    lost: list[Job] = []
+    lost: dict[Job, str] = {}
     try:
         while running or (queue and not lost):
             while queue and len(running) < limit and not lost:
                 job = queue.popleft()
                 try:
-                    running[_submit(executor, job)] = job
-                except BrokenExecutor:
-                    lost.append(job)
+                    future = executor.submit(job.function, *job.arguments)
                 except Exception as error:
-                    on_failure(job, _describe(error))
+                    # Each in its own way says that it is broken or closed.
+                    lost[job] = _describe(error)
+                else:
+                    running[future] = job
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
                 job = running.pop(future)
                 try:
                     result = future.result()
                 except BrokenExecutor:
-                    lost.append(job)
+                    lost[job] = "the process that ran it died"
+                except CancelledError:
+                    lost[job] = "what ran it was lost"
                 except Exception as error:
                     on_failure(job, _describe(error))
                 else:
@@ -124,10 +132,6 @@ def _drain(
             future.cancel()
         raise
     return lost
-
-
-def _submit(executor: Executor, job: Job) -> Future:
-    return executor.submit(job.function, *job.arguments())
 
 
 def _describe(error: Exception) -> str:

@@ -62,14 +62,16 @@ def format_comparisons(
 ) -> str:
     """Returns a table with a line, and what it says, for each comparison.
 
-    Each interval is of 95 %, by itself: nothing is corrected for how many
-    there are.
+    Each interval is of 95 %, and each p by itself: nothing is corrected for
+    how many there are.
 
     Args:
         comparisons: from compare_all.
         markdown: else plain text.
     """
-    grid = [["", "error", "of", "against", "difference", "ratio", "", "it is"]]
+    grid = [
+        ["", "error", "of", "against", "difference", "ratio", "", "p", "it is"]
+    ]
     for row, method, metric, c in comparisons:
         unit = "rad" if "rotation" in metric else "m"
         d, r = c.difference, c.ratio
@@ -82,6 +84,7 @@ def format_comparisons(
                 f"{d.value:+.4f} {unit} ({d.low:+.4f} to {d.high:+.4f})",
                 f"{r.value:.2f} ({r.low:.2f} to {r.high:.2f})",
                 f"{c.count} {c.over}",
+                format_number(c.p_value, 4),
                 _VERDICTS[c.verdict()],
             ]
         )
@@ -97,7 +100,7 @@ def comparisons_csv(
             *("scene", "object", "method", "other", "metric"),
             *("difference", "difference_low", "difference_high"),
             *("ratio", "ratio_low", "ratio_high"),
-            *("over", "count", "verdict"),
+            *("over", "count", "p_value", "verdict"),
         ]
     ]
     for row, method, metric, c in comparisons:
@@ -106,7 +109,8 @@ def comparisons_csv(
             [
                 *(row.scene, row.object, row.method, method, metric),
                 *(format_number(x, 6, "") for x in numbers),
-                *(c.over, c.count, c.verdict()),
+                *(c.over, c.count),
+                *(format_number(c.p_value, 6, ""), c.verdict()),
             ]
         )
     return format_csv(table)

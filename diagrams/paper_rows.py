@@ -23,12 +23,12 @@ class Row:
 
     Attributes:
         scene, object, method: their names.
-        runs, repeats: how many runs there are results of, and how many
-            different ones of each run at most.
+        runs, repeats: how many runs there are results of, and how many of
+            each run at least.
         ours: what was measured, NaN where unknown.
         paper: what the paper has, NaN where it has nothing.
         metrics: mean and standard deviation of each of METRICS.
-        auc: area under the curve, up to 0.1 m, of ADD and ADD-S.
+        auc: area under the curve, up to 0.1 m, of the known ADD and ADD-S.
     """
 
     scene: str
@@ -99,7 +99,7 @@ def _make_row(
         object=object_name,
         method=method,
         runs=len(set(runs)),
-        repeats=max(runs.count(run) for run in runs),
+        repeats=min(runs.count(run) for run in runs),
         ours=Errors(*metrics["position"], *metrics["rotation"]),
         paper=PAPER.get((scene, object_name, method), _NONE),
         metrics=metrics,

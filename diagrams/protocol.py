@@ -5,17 +5,13 @@ from dataclasses import dataclass
 import functools
 import math
 
-from pbpf_drake.diagrams.evaluation import (
-    Evaluation,
-    SceneRun,
-    evaluation_config,
-    scene_name,
-    scene_path,
-)
+from pbpf_drake.diagrams.evaluation import Evaluation, evaluation_config
 from pbpf_drake.diagrams.paper_values import (
+    SCENES,
     paper_methods,
     paper_runs_and_repeats,
 )
+from pbpf_drake.diagrams.scene_run import SceneRun, scene_name, scene_path
 from pbpf_drake.particle_filter_config import METHODS
 from pbpf_drake.scene import LoadScene, Scene
 
@@ -56,6 +52,13 @@ class Protocol:
             raise ValueError(
                 f"--duration is {self.duration:g}; expected more than 0"
             )
+        for scene in self.scenes:
+            name, path = scene_name(scene), scene_path(scene)
+            if name in SCENES and path.resolve() != scene_path(name).resolve():
+                raise ValueError(
+                    f"--scenes has {scene}, which is called as the paper's "
+                    f"scene {name}; expected another name of the file"
+                )
         names = [scene_name(scene) for scene in self.scenes]
         if len(set(names)) < len(names):
             raise ValueError(

@@ -1,19 +1,13 @@
 """Records and evaluates what a protocol says, as far as it isn't stored."""
 
-from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 
 from pbpf_drake.diagrams.evaluation import (
-    Evaluation,
     Result,
-    SceneRun,
     evaluate,
-    evaluation_code,
+    evaluation_key,
     read_result,
-    record,
 )
-from pbpf_drake.diagrams.evaluation_keys import evaluation_key, recording_key
 from pbpf_drake.diagrams.job_queue import ExecutorFactory, Failure, Job
 from pbpf_drake.diagrams.protocol import (
     Protocol,
@@ -23,6 +17,8 @@ from pbpf_drake.diagrams.protocol import (
     scene_runs,
 )
 from pbpf_drake.diagrams.result_store import ResultStore
+from pbpf_drake.diagrams.scene_files import ReadSceneFiles
+from pbpf_drake.diagrams.scene_recording import record, recording_key
 from pbpf_drake.diagrams.stored_jobs import RunStoredJobs, StoredJob
 
 
@@ -46,19 +42,13 @@ def RunProtocol(
         ValueError, FileNotFoundError: a scene or an option can't be used.
     """
     protocol.ValidateOrThrow()
-    code = evaluation_code()
-    records = [
-        StoredJob(
-            Job(
-                scene_run.name(),
-                record,
-                partial(_recording, scene_run, code),
-                cost=recording_cost(scene_run),
-            ),
-            recording_key(scene_run),
-        )
-        for scene_run in scene_runs(protocol)
-    ]
+    files = {scene: ReadSceneFiles(scene) for scene in protocol.scenes}
+    records = []
+    for scene_run in scene_runs(protocol):
+        key = recording_key(scene_run, files[scene_run.scene])
+        cost = recording_cost(scene_run)
+        job = Job(scene_run.name(), record, (scene_run, key), cost)
+        records.append(StoredJob(job, key))
     logs, failures = RunStoredJobs(
         records,
         ResultStore(folder / "logs", suffix=".mcap"),
@@ -69,19 +59,14 @@ def RunProtocol(
     todo = {
         e.name(): e for e in evaluations(protocol) if e.scene_run.name() in logs
     }
+    jobs = []
+    for name, e in todo.items():
+        log = logs[e.scene_run.name()]
+        key = evaluation_key(e, log, files[e.scene_run.scene])
+        job = Job(name, evaluate, (e, log, key), evaluation_cost(e))
+        jobs.append(StoredJob(job, key))
     data, failed = RunStoredJobs(
-        [
-            StoredJob(
-                Job(
-                    name,
-                    evaluate,
-                    partial(_evaluation, e, logs, code),
-                    cost=evaluation_cost(e),
-                ),
-                evaluation_key(e, logs[e.scene_run.name()]),
-            )
-            for name, e in todo.items()
-        ],
+        jobs,
         ResultStore(folder / "evaluations", suffix=".json"),
         make_executor,
         ahead=ahead,
@@ -89,15 +74,3 @@ def RunProtocol(
     )
     results = [read_result(e, data[n]) for n, e in todo.items() if n in data]
     return results, failures + failed
-
-
-def _recording(scene_run: SceneRun, code: str) -> tuple[SceneRun, str]:
-    """Returns the arguments of record."""
-    return scene_run, code
-
-
-def _evaluation(
-    evaluation: Evaluation, logs: Mapping[str, bytes], code: str
-) -> tuple[Evaluation, bytes, str]:
-    """Returns the arguments of evaluate; the log is read only then."""
-    return evaluation, logs[evaluation.scene_run.name()], code

@@ -16,7 +16,7 @@ import sys
 from pbpf_drake.diagrams.error_bands import PlotBands
 from pbpf_drake.diagrams.evaluation import Result
 from pbpf_drake.diagrams.executors import ClusterExecutor, LocalExecutor
-from pbpf_drake.diagrams.job_queue import ExecutorFactory
+from pbpf_drake.diagrams.job_queue import ExecutorFactory, Failure
 from pbpf_drake.diagrams.paper_comparisons import (
     compare_all,
     comparisons_csv,
@@ -107,13 +107,16 @@ def write_outputs(results: Sequence[Result], folder: Path, note: str) -> str:
     return texts["tables.txt"]
 
 
-def _note(protocol: Protocol) -> str:
+def _note(protocol: Protocol, failures: Sequence[Failure]) -> str:
     """Returns in what our numbers are not of the paper's protocol."""
     said = []
     if protocol.duration is not None:
         said.append(f"logs of {protocol.duration:g} s")
     if protocol.particles is not None:
         said.append(f"{protocol.particles} particles")
+    if failures:
+        names = ", ".join(failure.name for failure in failures)
+        said.append(f"without what failed ({names})")
     return f"Not the paper's protocol: {', '.join(said)}." if said else ""
 
 
@@ -134,6 +137,8 @@ def run(args: argparse.Namespace) -> None:
     )
     if args.jobs < 1:
         raise ValueError(f"--jobs is {args.jobs}; expected at least 1")
+    # Not after the first hour.
+    args.out.mkdir(parents=True, exist_ok=True)
     make_executor: ExecutorFactory = partial(LocalExecutor, args.jobs)
     ahead = 2 * args.jobs
     if args.scheduler:
@@ -143,7 +148,7 @@ def run(args: argparse.Namespace) -> None:
         protocol, args.out, make_executor, ahead=ahead
     )
     if results:
-        print(write_outputs(results, args.out, _note(protocol)))
+        print(write_outputs(results, args.out, _note(protocol, failures)))
         print(f"Written to {args.out.resolve()}")
     if failures:
         lines = [f"{failure.name}: {failure.reason}" for failure in failures]

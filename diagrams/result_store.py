@@ -10,8 +10,8 @@ import hashlib
 import json
 import os
 from pathlib import Path
-import tempfile
 from typing import Any
+import uuid
 
 
 def key_digest(key: Mapping[str, Any]) -> str:
@@ -27,15 +27,16 @@ def key_digest(key: Mapping[str, Any]) -> str:
 def write_atomically(path: Path, data: bytes) -> None:
     """Writes a file, so that nobody ever finds a part of it."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    # Not by tempfile, whose files nobody else may read.
+    part = path.with_name(f".{path.name}.{uuid.uuid4().hex}.part")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with open(part, "xb") as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        os.replace(name, path)
+        os.replace(part, path)
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        part.unlink(missing_ok=True)
         raise
 
 

@@ -1,7 +1,10 @@
-"""Runs a command, and turns what went wrong into a sentence."""
+"""Runs a command, and turns what ends it into a sentence."""
 
 from collections.abc import Callable
 import sys
+
+# What shells give a command that SIGINT ended.
+_INTERRUPTED = 130
 
 
 def RunCommand(name: str, run: Callable[[], None]) -> int:
@@ -17,4 +20,7 @@ def RunCommand(name: str, run: Callable[[], None]) -> int:
     except (ValueError, OSError) as error:
         print(f"{name}: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print(f"{name}: interrupted", file=sys.stderr)
+        return _INTERRUPTED
     return 0

@@ -1,25 +1,21 @@
-"""One evaluation of a short log, and the keys of what it depends on."""
+"""The recording and one evaluation of a short log, and their keys."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from pbpf_drake.diagrams import evaluation_keys
 from pbpf_drake.diagrams.evaluation import (
     METRICS,
     Evaluation,
-    SceneRun,
     evaluate,
-    evaluation_code,
     evaluation_config,
+    evaluation_key,
     read_result,
-    record,
-    scene_name,
-    scene_path,
 )
-from pbpf_drake.diagrams.evaluation_keys import evaluation_key, recording_key
+from pbpf_drake.diagrams.scene_files import ReadSceneFiles
+from pbpf_drake.diagrams.scene_recording import record, recording_key
+from pbpf_drake.diagrams.scene_run import SceneRun
 from pbpf_drake.log_reader import ReadLog
 from pbpf_drake.pose_errors import compute_errors
 from pbpf_drake.prediction_model import MakePredictionModel
@@ -30,16 +26,25 @@ from pbpf_drake.tracking import Track
 FOLDER = data_folder("diagrams") / "scenes"
 RUN = SceneRun("cheezit_1", 3, 0.7)
 PBPF = Evaluation(RUN, "pbpf", 1, 4)
+FILES = ReadSceneFiles("cheezit_1")
+
+
+def _record(run: SceneRun) -> bytes:
+    return record(run, recording_key(run, FILES))
+
+
+def _evaluate(evaluation: Evaluation, log: bytes) -> bytes:
+    return evaluate(evaluation, log, evaluation_key(evaluation, log, FILES))
 
 
 @pytest.fixture(scope="module")
 def log() -> bytes:
-    return record(RUN, evaluation_code())
+    return _record(RUN)
 
 
 @pytest.fixture(scope="module")
 def evaluated(log) -> bytes:
-    return evaluate(PBPF, log, evaluation_code())
+    return _evaluate(PBPF, log)
 
 
 @pytest.fixture(scope="module")
@@ -82,91 +87,60 @@ def test_a_result_has_every_metric_and_they_fit_each_other(result):
 def test_runs_and_evaluations_are_pure_functions_of_what_they_are(
     log, evaluated
 ):
-    code = evaluation_code()
-    assert record(RUN, code) == log
-    assert record(replace(RUN, run=4), code) != log
-    assert evaluate(PBPF, log, code) == evaluated
-    assert evaluate(replace(PBPF, repeat=2), log, code) != evaluated
+    assert _record(RUN) == log
+    assert _record(replace(RUN, run=4)) != log
+    assert _evaluate(PBPF, log) == evaluated
+    assert _evaluate(replace(PBPF, repeat=2), log) != evaluated
 
 
-def test_a_worker_with_other_code_refuses(log):
-    with pytest.raises(ValueError, match="worker has other code"):
-        record(RUN, "other")
-    with pytest.raises(ValueError, match="worker has other code"):
-        evaluate(PBPF, log, "other")
+@pytest.mark.parametrize(
+    "name, expected", [("code", "the same code"), ("scene", "unchanged since")]
+)
+def test_who_finds_other_code_or_another_scene_refuses(name, expected, log):
+    key = recording_key(RUN, FILES) | {name: "other"}
+    with pytest.raises(ValueError, match=expected):
+        record(RUN, key)
+    key = evaluation_key(PBPF, log, FILES) | {name: "other"}
+    with pytest.raises(ValueError, match=expected):
+        evaluate(PBPF, log, key)
 
 
-def test_scenes_have_names_or_are_files(tmp_path):
-    assert scene_path("cheezit_1") == FOLDER / "cheezit_1.yaml"
-    own = str(tmp_path / "own.yaml")
-    assert scene_path(own) == Path(own)
-    assert scene_name(own) == "own" and scene_name("soup_1") == "soup_1"
+def test_the_key_of_a_log_changes_with_all_that_it_depends_on(monkeypatch):
+    def key(run: SceneRun, **changes: str) -> dict:
+        return recording_key(run, replace(FILES, **changes))
+
+    keys = [
+        key(RUN),
+        key(replace(RUN, run=4)),
+        key(replace(RUN, duration=0.8)),
+        key(RUN, recorded_digest="other"),
+    ]
+    assert key(RUN, tracked_digest="other") == keys[0]
+    name = "pbpf_drake.diagrams.scene_recording.code_digest"
+    monkeypatch.setattr(name, lambda _: "other")
+    keys.append(key(RUN))
+    assert all(keys.count(k) == 1 for k in keys)
 
 
 def test_the_key_of_a_result_changes_with_all_that_it_depends_on(monkeypatch):
-    key = evaluation_key(PBPF, b"log")
+    def key(evaluation: Evaluation, log: bytes = b"log", **changes: str):
+        return evaluation_key(evaluation, log, replace(FILES, **changes))
+
     keys = [
-        key,
-        evaluation_key(PBPF, b"other log"),
-        evaluation_key(replace(PBPF, method="pbpf-v"), b"log"),
-        evaluation_key(replace(PBPF, repeat=2), b"log"),
-        evaluation_key(replace(PBPF, particles=5), b"log"),
-        evaluation_key(replace(PBPF, scene_run=replace(RUN, run=4)), b"log"),
+        key(PBPF),
+        key(PBPF, b"other log"),
+        key(replace(PBPF, method="pbpf-v")),
+        key(replace(PBPF, repeat=2)),
+        key(replace(PBPF, particles=5)),
+        key(replace(PBPF, scene_run=replace(RUN, run=4))),
+        key(PBPF, tracked_digest="other"),
     ]
-    monkeypatch.setattr(evaluation_keys, "evaluation_code", lambda: "other")
-    keys.append(evaluation_key(PBPF, b"log"))
+    assert key(PBPF, recorded_digest="other") == keys[0]
+    assert "parallelism" not in keys[0]["config"]
+    name = "pbpf_drake.diagrams.evaluation.code_digest"
+    monkeypatch.setattr(name, lambda _: "other")
+    keys.append(key(PBPF))
     assert all(keys.count(k) == 1 for k in keys)
-    assert "parallelism" not in key["config"]
-
-
-def _own_scene(folder: Path, **changes: str) -> str:
-    """Writes a copy of a scene, with the text of it changed."""
-    folder.mkdir(exist_ok=True)
-    text = (FOLDER / "cheezit_1.yaml").read_text()
-    for old, new in changes.items():
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    (folder / "own.yaml").write_text(text)
-    return str(folder / "own.yaml")
-
-
-def test_keys_change_with_the_scene_but_not_with_its_comments(tmp_path):
-    def keys(name: str, **changes: str):
-        evaluation_keys._scene_digest.cache_clear()
-        run = SceneRun(_own_scene(tmp_path / name, **changes), 0)
-        evaluation = Evaluation(run, "pbpf", 0)
-        return recording_key(run), evaluation_key(evaluation, b"log")
-
-    recorded, evaluated = keys("same")
-    # The log holds what recording says.
-    new = keys("recording", **{"stddev: 0.006": "stddev: 0.007"})
-    assert new[0] != recorded and new[1] == evaluated
-    new = keys("camera", **{"fx: 605.904": "fx: 600.0"})
-    assert new[0] != recorded and new[1] != evaluated
-    new = keys(
-        "filter", **{"robot: panda\n": "robot: panda\nfilter: {seed: 9}\n"}
-    )
-    assert new[0] == recorded
-    new = keys("comment", **{"robot: panda\n": "# Hello.\nrobot: panda\n"})
-    assert new == (recorded, evaluated)
-
-
-def test_keys_change_with_the_files_of_the_models(tmp_path):
-    sdf = (data_folder("models") / "cracker" / "cracker.sdf").read_text()
-    found = []
-    for mass in "0.411", "0.5":
-        (tmp_path / "cracker.sdf").write_text(sdf.replace("0.411", mass))
-        path = _own_scene(
-            tmp_path,
-            **{
-                "package://pbpf_drake/cracker/cracker.sdf": (
-                    "package://scene/cracker.sdf"
-                )
-            },
-        )
-        evaluation_keys._scene_digest.cache_clear()
-        found.append(recording_key(SceneRun(path, 0))["scene"])
-    assert found[0] != found[1]
 
 
 def test_the_seed_of_a_filter_is_a_function_of_run_and_repeat():

@@ -102,7 +102,7 @@ def test_a_cluster_loses_nothing_when_a_worker_is_killed(tmp_path, monkeypatch):
             Job(
                 f"job_{i}",
                 _announce,
-                lambda i=i: (str(marks), i),
+                (str(marks), i),
             ),
             {"i": i},
         )

@@ -1,8 +1,9 @@
 """Jobs on real pools of threads and processes, some of which die."""
 
-from concurrent.futures import Executor, ThreadPoolExecutor
-from contextlib import contextmanager
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
 from functools import partial
+import time
 
 import job_functions
 import pytest
@@ -12,7 +13,7 @@ from pbpf_drake.diagrams.job_queue import Job, RunJobs
 
 
 def _job(name: str, function, *arguments) -> Job:
-    return Job(name, function, lambda: arguments)
+    return Job(name, function, arguments)
 
 
 def _run(jobs, make_executor, *, ahead=4):
@@ -49,39 +50,18 @@ def test_a_job_that_fails_is_named_and_the_others_go_on():
     assert failed == {"bad": "ValueError: no such box"}
 
 
-def test_a_job_whose_arguments_cannot_be_made_fails_by_itself():
-    def arguments() -> tuple:
-        raise FileNotFoundError("the log is gone")
-
-    jobs = [
-        Job("bad", job_functions.square, arguments),
-        _job("good", job_functions.square, 3),
-    ]
-    done, failed = _run(jobs, partial(ThreadPoolExecutor, 1))
-    assert done == {"good": 9}
-    assert failed == {"bad": "FileNotFoundError: the log is gone"}
-
-
 def test_no_more_jobs_are_under_way_than_asked_for():
     under_way, most = set(), []
 
-    def arguments(i: int) -> tuple:
-        under_way.add(str(i))
+    def work(i: int) -> None:
+        under_way.add(i)
         most.append(len(under_way))
-        return (0.01, i)
+        time.sleep(0.01)
+        under_way.remove(i)
 
-    jobs = [
-        Job(str(i), job_functions.wait_for, partial(arguments, i))
-        for i in range(12)
-    ]
-    RunJobs(
-        jobs,
-        partial(ThreadPoolExecutor, 8),
-        ahead=3,
-        on_done=lambda job, _: under_way.remove(job.name),
-        on_failure=pytest.fail,
-    )
-    assert max(most) == 3
+    jobs = [_job(str(i), work, i) for i in range(12)]
+    done, _ = _run(jobs, partial(ThreadPoolExecutor, 8), ahead=3)
+    assert len(done) == 12 and max(most) <= 3
 
 
 def test_of_a_dead_process_only_the_guilty_job_is_lost():
@@ -113,6 +93,32 @@ def test_an_executor_that_never_works_is_given_up():
     done, failed = _run(jobs, make_executor)
     assert done == {} and set(failed) == {"job"}
     assert len(made) <= 4
+
+
+class _Disconnected(Executor):
+    """Cancels whatever it is given, as Dask's does without its scheduler."""
+
+    def submit(self, fn, /, *args, **kwargs) -> Future:
+        future = Future()
+        future.cancel()
+        future.set_running_or_notify_cancel()
+        return future
+
+
+def test_what_a_lost_executor_cancels_is_run_by_the_next():
+    executors = iter([_Disconnected(), *(ThreadPoolExecutor(1),) * 9])
+    jobs = [_job(str(i), job_functions.square, i) for i in range(3)]
+    done, failed = _run(jobs, lambda: nullcontext(next(executors)))
+    assert done == {str(i): i * i for i in range(3)} and failed == {}
+
+
+def test_an_executor_that_takes_no_jobs_is_lost_too():
+    closed = ThreadPoolExecutor(1)
+    closed.shutdown()
+    executors = iter([closed, ThreadPoolExecutor(1), ThreadPoolExecutor(1)])
+    jobs = [_job(str(i), job_functions.square, i) for i in range(3)]
+    done, failed = _run(jobs, lambda: nullcontext(next(executors)))
+    assert done == {str(i): i * i for i in range(3)} and failed == {}
 
 
 def test_what_goes_wrong_with_a_result_stops_everything():

@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 from result_fixtures import make_result
@@ -83,11 +85,11 @@ def test_intervals_of_a_difference_are_near_the_paired_t_test():
     assert found.difference.high == pytest.approx(high, abs=0.08)
 
 
-def test_intervals_hold_the_truth_about_as_often_as_they_say(monkeypatch):
-    """Of ten runs; known to be a little short for so few."""
+def test_intervals_of_ten_runs_hold_the_truth_nine_times_in_ten(monkeypatch):
+    """As the module says: they are a little short for so few."""
     monkeypatch.setattr("pbpf_drake.diagrams.paper_statistics._RESAMPLES", 999)
     rng, hits = np.random.default_rng(4), 0
-    for _ in range(100):
+    for _ in range(200):
         a, b = rng.normal(5, 1, size=(2, 10))
         found = compare(
             _runs("pbpf", a, repeats=1),
@@ -96,7 +98,45 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say(monkeypatch):
             "position",
         )
         hits += found.difference.low <= 0 <= found.difference.high
-    assert 84 <= hits <= 99
+    # Three standard deviations of what 200 draws leave to chance.
+    assert 0.90 * 200 - 13 <= hits <= 0.95 * 200 + 9
+
+
+@pytest.mark.parametrize("draw", ["normal", "standard_cauchy"])
+def test_equal_methods_differ_significantly_one_time_in_twenty(
+    draw, monkeypatch
+):
+    monkeypatch.setattr("pbpf_drake.diagrams.paper_statistics._RESAMPLES", 1999)
+    rng = np.random.default_rng(11)
+    common = 10 * rng.random(10)
+    false = 0
+    for _ in range(200):
+        a, b = common + getattr(rng, draw)(size=(2, 10))
+        found = compare(
+            _runs("pbpf", a, repeats=1),
+            _runs("dope", b, repeats=1),
+            "cracker",
+            "position",
+        )
+        false += found.verdict() != "not different"
+    assert false <= 0.05 * 200 + 9
+
+
+def test_a_p_value_is_the_share_of_signs_that_make_as_large_a_difference():
+    a, b = np.random.default_rng(12).normal(size=(2, 8))
+    found = compare(_runs("pbpf", a), _runs("dope", b), "cracker", "position")
+    signs = np.array(list(itertools.product([-1, 1], repeat=8)))
+    means = np.abs(signs @ (a - b)) / 8
+    expected = np.mean(means >= abs(np.mean(a - b)) - 1e-12)
+    assert found.p_value == pytest.approx(expected)
+
+
+def test_one_run_alone_makes_no_significant_difference():
+    """However large: that of all others says nothing."""
+    a = np.full(10, 1.0)
+    b = a + np.array([30.0, 0.2, -0.1, 0.1, -0.2, 0.1, 0.2, -0.1, -0.2, 0.1])
+    found = compare(_runs("pbpf", a), _runs("dope", b), "cracker", "position")
+    assert found.verdict() == "not different"
 
 
 def test_methods_are_compared_on_their_common_runs():
@@ -135,10 +175,18 @@ def test_few_runs_are_never_significant():
         assert found.verdict() == "too few"
 
 
-def test_an_interval_that_touches_zero_is_not_significant():
-    interval = Interval(-1.0, -2.0, 0.0)
-    dut = Comparison(interval, Interval(0.5, 0.4, 1.0), "runs", 10)
-    assert dut.verdict() == "not different"
+def test_a_p_value_at_the_level_is_not_significant():
+    interval = Interval(-1.0, -2.0, -0.5)
+    ratio = Interval(0.5, 0.4, 0.9)
+    for p_value, verdict in (0.05, "not different"), (0.049, "smaller"):
+        dut = Comparison(interval, ratio, p_value, "runs", 10)
+        assert dut.verdict() == verdict
+
+
+def test_a_method_of_which_one_repeat_is_left_is_not_taken_to_be_exact():
+    first = _runs("pbpf-v", [1.0], repeats=20, spread=0.1)
+    second = _runs("pbpf", [2.0], repeats=1)
+    assert compare(first, second, "cracker", "position") is None
 
 
 def test_a_comparison_is_the_same_every_time():

@@ -66,6 +66,14 @@ def test_there_is_a_row_per_scene_object_and_method_in_the_papers_order(
     assert rows[-1].title() == "mug, mine"
 
 
+def test_where_an_evaluation_is_missing_the_row_does_not_say_it_is_there(
+    results,
+):
+    pbpf = [r for r in results if r.method == "pbpf"]
+    (row,) = make_rows(pbpf[1:])
+    assert (row.runs, row.repeats) == (7, 2)
+
+
 def test_a_row_holds_pooled_errors_beside_the_papers(results):
     row = make_rows(results)[0]
     mine = [r for r in results if (r.scene, r.method) == ("cheezit_1", "pbpf")]

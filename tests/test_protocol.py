@@ -3,11 +3,7 @@ from dataclasses import replace
 
 import pytest
 
-from pbpf_drake.diagrams.evaluation import (
-    Evaluation,
-    SceneRun,
-    evaluation_config,
-)
+from pbpf_drake.diagrams.evaluation import Evaluation, evaluation_config
 from pbpf_drake.diagrams.paper_values import SCENES
 from pbpf_drake.diagrams.protocol import (
     Protocol,
@@ -16,6 +12,7 @@ from pbpf_drake.diagrams.protocol import (
     recording_cost,
     scene_runs,
 )
+from pbpf_drake.diagrams.scene_run import SceneRun
 from pbpf_drake.scene import LoadScene
 from pbpf_drake.scene_models import data_folder
 
@@ -60,6 +57,7 @@ def test_a_scene_of_ones_own_is_evaluated_with_every_method():
         ({"particles": -1}, "--particles is -1; expected"),
         ({"duration": 0.0}, "--duration is 0; expected"),
         ({"duration": float("nan")}, "--duration is nan; expected"),
+        ({"scenes": ["my/soup_1.yaml"]}, "called as the paper's scene soup_1"),
         ({"scenes": ["a/x.yaml", "b/x.yaml"]}, "--scenes has two .*'x', 'x'"),
     ],
 )

@@ -6,6 +6,7 @@ It is killed in mid-run and started again.
 from contextlib import redirect_stdout
 import csv
 import io
+import os
 from pathlib import Path
 import signal
 import subprocess
@@ -16,8 +17,9 @@ import numpy as np
 import pytest
 
 from pbpf_drake.diagrams import protocol_runner
-from pbpf_drake.diagrams.evaluation import Evaluation, SceneRun, read_result
+from pbpf_drake.diagrams.evaluation import Evaluation, read_result
 from pbpf_drake.diagrams.reproduce_tables import main
+from pbpf_drake.diagrams.scene_run import SceneRun
 
 SCENES = ("cheezit_1", "cheezit_gelatin_soup")
 METHODS = ("pbpf", "cvpf", "dope")
@@ -168,6 +170,30 @@ def test_what_fails_is_named_at_the_end_and_the_others_are_done(
     assert "1 failed, the others are stored" in said.err
     assert "bad-run_0: ValueError: " in said.err
     assert "Cheezit Scene 1" in said.out
+    for tables in said.out, (folder / "tables.md").read_text():
+        assert "without what failed (bad-run_0)" in tables
+
+
+def test_an_interruption_ends_all_of_it_in_a_line(tmp_path):
+    """From the keyboard, which interrupts its processes as well."""
+    command = [sys.executable, "-m", "pbpf_drake.diagrams.reproduce_tables"]
+    with subprocess.Popen(
+        [*command, *OPTIONS, "--out", str(tmp_path)],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+        start_new_session=True,
+        cwd=tmp_path,
+    ) as process:
+        end = time.monotonic() + 300
+        while not list(tmp_path.glob("logs/*.mcap")):
+            assert process.poll() is None and time.monotonic() < end
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "reproduce_tables: interrupted" in said
+    assert "Traceback" not in said
 
 
 @pytest.mark.parametrize(
@@ -182,3 +208,11 @@ def test_what_cannot_be_done_is_a_sentence(options, said, capsys, tmp_path):
     assert main([*OPTIONS, *options, "--out", str(tmp_path)]) == 1
     error = capsys.readouterr().err.splitlines()[-1]
     assert error.startswith("reproduce_tables: ") and said in error
+
+
+def test_a_folder_that_cannot_be_made_is_said_at_once(tmp_path, capsys):
+    (tmp_path / "file").touch()
+    assert main([*OPTIONS, "--out", str(tmp_path / "file")]) == 1
+    error = capsys.readouterr().err
+    assert "reproduce_tables: " in error and str(tmp_path / "file") in error
+    assert "record" not in error

@@ -76,6 +76,13 @@ def test_a_file_that_cannot_be_written_leaves_nothing(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_file_is_readable_to_whom_the_umask_lets(tmp_path):
+    (tmp_path / "usual").touch()
+    write_atomically(tmp_path / "file", b"content")
+    modes = {path.stat().st_mode for path in tmp_path.iterdir()}
+    assert len(modes) == 1
+
+
 def test_a_writer_that_is_killed_leaves_whole_files_only(tmp_path):
     """It writes the same file over and over, until it is killed."""
     path, size = tmp_path / "file", 300_000

@@ -3,7 +3,7 @@ import pytest
 from pbpf_drake.diagrams.run_command import RunCommand
 
 
-def _raise(error: Exception) -> None:
+def _raise(error: BaseException) -> None:
     raise error
 
 
@@ -18,6 +18,11 @@ def test_a_command_that_ends_well_says_nothing(capsys):
 def test_what_is_the_users_to_read_is_a_sentence(capsys, kind):
     assert RunCommand("track", lambda: _raise(kind("log.mcap: gone"))) == 1
     assert capsys.readouterr() == ("", "track: log.mcap: gone\n")
+
+
+def test_an_interruption_is_said_and_has_its_exit_code(capsys):
+    assert RunCommand("track", lambda: _raise(KeyboardInterrupt())) == 130
+    assert capsys.readouterr() == ("", "track: interrupted\n")
 
 
 def test_what_is_a_mistake_of_ours_is_not_hidden():

@@ -13,9 +13,7 @@ POOL = partial(ThreadPoolExecutor, 1)
 
 def _jobs(compute, costs=(1.0, 2.0, 7.0)) -> list[StoredJob]:
     return [
-        StoredJob(
-            Job(f"job_{i}", compute, lambda i=i: (i,), cost=cost), {"i": i}
-        )
+        StoredJob(Job(f"job_{i}", compute, (i,), cost=cost), {"i": i})
         for i, cost in enumerate(costs)
     ]
 

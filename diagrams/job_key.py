@@ -1,0 +1,31 @@
+"""The key of a job: all that its result depends on.
+
+Who asks for a result computes the key, to look for it among the stored ones.
+Who computes the result computes the key as well: on another machine, or hours
+later, code or files may be others.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+_EXPECTED = {
+    "code": "the same code, and the same versions of Python and of what is "
+    "installed",
+    "scene": "the same scene and models, unchanged since the start",
+}
+
+
+def check_key(asked: Mapping[str, Any], found: Mapping[str, Any]) -> None:
+    """Raises ValueError unless both keys are the same.
+
+    Args:
+        asked: the key of who asks for a result.
+        found: that of who computes it.
+    """
+    other = [name for name in found if asked.get(name) != found[name]]
+    if other:
+        expected = [_EXPECTED.get(name, f"the same {name}") for name in other]
+        raise ValueError(
+            "the process that computes it finds something else than the "
+            f"program that asks; expected {', '.join(expected)}"
+        )
