@@ -20,13 +20,19 @@ class Range:
     min: float = 0.0
     max: float = 0.0
 
-    def ValidateOrThrow(self, name: str) -> None:
-        """Raises ValueError unless 0 < min ≤ max < ∞."""
+    def ValidateOrThrow(self, name: str, *, or_zero: bool = False) -> None:
+        """Raises ValueError unless 0 < min ≤ max < ∞.
+
+        Args:
+            name: of the field.
+            or_zero: whether min may be 0 as well.
+        """
+        is_positive = self.min > 0 or (or_zero and self.min == 0)
         require(
-            0 < self.min <= self.max < math.inf,
+            is_positive and self.min <= self.max < math.inf,
             name,
             (self.min, self.max),
-            "0 < min <= max",
+            f"0 {'<=' if or_zero else '<'} min <= max",
         )
 
 
@@ -154,8 +160,8 @@ class DetectorConfig:
             self.latency,
             "at least 0",
         )
-        self.bias_position.ValidateOrThrow(f"{name}.bias_position")
-        self.bias_rotation.ValidateOrThrow(f"{name}.bias_rotation")
+        for part in "bias_position", "bias_rotation":
+            getattr(self, part).ValidateOrThrow(f"{name}.{part}", or_zero=True)
         self.noise.ValidateOrThrow(f"{name}.noise")
         require(
             0 <= self.hidden_visibility < self.clear_visibility <= 1,

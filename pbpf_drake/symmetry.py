@@ -33,6 +33,11 @@ class SymmetryConfig:
             raise ValueError(
                 f"{name}.order is {self.order!r}; expected at least 0"
             )
+        if self.order and not self.axis:
+            raise ValueError(
+                f"{name}.order is {self.order!r}, but there is no axis; "
+                "expected an axis as well"
+            )
 
     def is_continuous(self) -> bool:
         """Returns whether any turn about the axis leaves the object alike."""

@@ -62,6 +62,22 @@ def test_objects_rest_on_the_table_and_are_in_the_image_all_the_way(name):
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_a_can_looks_the_same_however_it_is_turned_about_its_axis(name):
+    world, _, _ = load_scene(name)
+    inspector = world.scene_graph.model_inspector()
+    for tracked, config in LoadScene(SCENES / f"{name}.yaml").tracked.items():
+        body = world.plant.GetBodyByName(tracked)
+        (geometry,) = world.shape_ids(body)
+        if not isinstance(inspector.GetShape(geometry), Cylinder):
+            assert config.symmetry.axis == []
+            continue
+        R_BG = inspector.GetPoseInFrame(geometry).rotation()
+        axis = R_BG @ [0.0, 0.0, 1.0]
+        assert config.symmetry.order == 0
+        assert abs(np.dot(config.symmetry.axis, axis)) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_nothing_overlaps_at_the_start(name):
     world, _, _ = load_scene(name)
     deepest = world.query().ComputePointPairPenetration()

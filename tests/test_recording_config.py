@@ -4,7 +4,12 @@ import pytest
 from recording_fixtures import SCENES, make_planar_scene
 
 from pbpf_drake.particle_filter_config import PoseStddev
-from pbpf_drake.recording_config import Range, RecordingConfig, Waypoint
+from pbpf_drake.recording_config import (
+    DetectorConfig,
+    Range,
+    RecordingConfig,
+    Waypoint,
+)
 from pbpf_drake.scene import LoadScene
 
 
@@ -41,7 +46,7 @@ def test_without_a_path_there_is_nothing_to_record():
         ("detector.period", 0.0),
         ("detector.latency", -0.1),
         ("start_stddev", PoseStddev(position=-1.0)),
-        ("detector.bias_position", Range(min=0.0, max=0.1)),
+        ("detector.bias_position", Range(min=-0.1, max=0.1)),
         ("detector.bias_rotation", Range(min=0.2, max=0.1)),
         ("detector.noise", PoseStddev(rotation=math.nan)),
         ("detector.hidden_visibility", 0.95),
@@ -71,6 +76,20 @@ def test_a_bad_range_of_outliers_is_described_with_its_values():
     config.detector.outlier_position = Range(min=0.7, max=0.1)
     expected = r"outlier_position is \(0.7, 0.1\); expected 0 < min <= max"
     with pytest.raises(ValueError, match=expected):
+        config.ValidateOrThrow()
+
+
+def test_a_detector_may_be_without_bias_but_outliers_are_somewhere_else():
+    config = make_planar_scene().recording
+    config.detector.bias_position = Range()
+    config.detector.bias_rotation = Range(min=0.0, max=0.1)
+    config.ValidateOrThrow()
+    config.detector.bias_position = Range(min=-0.1, max=0.1)
+    expected = r"bias_position is \(-0.1, 0.1\); expected 0 <= min <= max"
+    with pytest.raises(ValueError, match=expected):
+        config.ValidateOrThrow()
+    config.detector = DetectorConfig(outlier_position=Range())
+    with pytest.raises(ValueError, match="outlier_position"):
         config.ValidateOrThrow()
 
 

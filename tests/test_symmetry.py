@@ -8,10 +8,9 @@ from pbpf_drake.symmetry import SymmetryConfig
 
 
 def test_without_an_axis_there_is_only_the_turn_by_nothing():
-    for order in 0, 4:
-        dut = SymmetryConfig(order=order)
-        np.testing.assert_allclose(dut.turns(8), [[1, 0, 0, 0]])
-        assert not dut.is_continuous()
+    dut = SymmetryConfig()
+    np.testing.assert_allclose(dut.turns(8), [[1, 0, 0, 0]])
+    assert not dut.is_continuous()
 
 
 def test_turns_map_a_square_prism_onto_itself():
@@ -39,6 +38,7 @@ def test_turns_of_a_can_are_evenly_spaced_and_keep_its_axis():
         ("axis", [1.0]),
         ("axis", [np.nan, 0.0, 1.0]),
         ("order", -1),
+        ("order", 2),
     ],
 )
 def test_what_is_no_symmetry_is_refused_by_name(field, value):
