@@ -1,7 +1,8 @@
-"""What happens in a run of each of the paper's scenes.
+"""What happens in a run of the paper's scenes.
 
-Each is recorded as a whole, once: the truth's physics, and what its camera
-sees.
+They are recorded as a whole: the truth's physics, and what its camera sees. Of
+Scenes 1 to 3, which are there with the box and with the can, it is one each
+(Cheezit 1 is recorded in test_compare_detector.py).
 """
 
 import numpy as np
@@ -39,10 +40,8 @@ def _turned(truth: PoseRecord) -> np.ndarray:
 @pytest.mark.parametrize(
     "name, object_name, hidden_share",
     [
-        ("cheezit_1", "cracker", (0.4, 0.7)),
         ("soup_1", "soup", (0.4, 0.7)),
         ("cheezit_2", "cracker", (0.3, 0.6)),
-        ("soup_2", "soup", (0.3, 0.6)),
     ],
 )
 def test_in_scenes_1_and_2_the_object_is_lost_while_it_is_pushed(
@@ -61,12 +60,9 @@ def test_in_scenes_1_and_2_the_object_is_lost_while_it_is_pushed(
     assert not set(lost) & {d.time for d in recording.log.detections}
 
 
-@pytest.mark.parametrize(
-    "name, object_name", [("cheezit_3", "cracker"), ("soup_3", "soup")]
-)
-def test_in_scene_3_the_object_is_seen_all_the_way(name, object_name):
-    recording = _record(name)
-    truth = recording.log.ground_truth[object_name]
+def test_in_scene_3_the_object_is_seen_all_the_way():
+    recording = _record("soup_3")
+    truth = recording.log.ground_truth["soup"]
     assert _moved(truth)[-1] > 0.3
     assert recording.visibility.min() > 0.8
     # In nearly all images it is found.
