@@ -77,10 +77,21 @@ def test_the_evaluation_depends_on_the_filter_but_not_on_the_pictures():
         "physics_motion_model",
         "pose_metrics",
         "log_reader",
-        "truth_simulation",
         "scene",
         "quaternions",
         "diagrams.evaluation",
     } <= found
     assert not {"error_plot", "report", "diagrams.paper_tables"} & found
     assert Path(dut._imported(name)["pbpf_drake.scene"]).name == "scene.py"
+
+
+def test_a_recording_depends_on_the_truth_but_not_on_the_filter():
+    name = "pbpf_drake.diagrams.scene_recording"
+    found = {n.removeprefix("pbpf_drake.") for n in dut._imported(name)}
+    assert {
+        "truth_simulation",
+        "simulated_detector",
+        "mcap_log_writer",
+        "diagrams.scene_recording",
+    } <= found
+    assert "particle_filter_update" not in found
