@@ -87,7 +87,7 @@ def _cluster(num_workers: int):
             n_workers=num_workers,
             threads_per_worker=1,
             processes=True,
-            dashboard_address=None,
+            dashboard_address=":0",
             silence_logs=50,
         ) as cluster:
             yield cluster.scheduler_address

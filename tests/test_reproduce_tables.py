@@ -140,7 +140,7 @@ def test_a_cluster_finds_the_same_to_the_bit(reproduced, tmp_path):
     with distributed.LocalCluster(
         n_workers=2,
         threads_per_worker=1,
-        dashboard_address=None,
+        dashboard_address=":0",
         silence_logs=50,
     ) as cluster:
         address = cluster.scheduler_address
