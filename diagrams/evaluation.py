@@ -18,7 +18,7 @@ import numpy as np
 
 from pbpf_drake.diagrams.code_digest import code_digest
 from pbpf_drake.diagrams.job_key import check_key
-from pbpf_drake.diagrams.scene_files import ReadSceneFiles, SceneFiles
+from pbpf_drake.diagrams.scene_digests import ReadSceneFiles, SceneFiles
 from pbpf_drake.diagrams.scene_run import SceneRun, scene_name
 from pbpf_drake.log import Log
 from pbpf_drake.log_reader import ReadLog

@@ -17,7 +17,7 @@ from pbpf_drake.diagrams.protocol import (
     scene_runs,
 )
 from pbpf_drake.diagrams.result_store import ResultStore
-from pbpf_drake.diagrams.scene_files import ReadSceneFiles
+from pbpf_drake.diagrams.scene_digests import ReadSceneFiles
 from pbpf_drake.diagrams.scene_recording import record, recording_key
 from pbpf_drake.diagrams.stored_jobs import RunStoredJobs, StoredJob
 

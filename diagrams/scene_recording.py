@@ -12,7 +12,7 @@ from typing import Any
 
 from pbpf_drake.diagrams.code_digest import code_digest
 from pbpf_drake.diagrams.job_key import check_key
-from pbpf_drake.diagrams.scene_files import ReadSceneFiles, SceneFiles
+from pbpf_drake.diagrams.scene_digests import ReadSceneFiles, SceneFiles
 from pbpf_drake.diagrams.scene_run import SceneRun
 from pbpf_drake.mcap_log_writer import WriteLog
 from pbpf_drake.truth_simulation import RecordRun

@@ -13,7 +13,7 @@ from pbpf_drake.diagrams.evaluation import (
     evaluation_key,
     read_result,
 )
-from pbpf_drake.diagrams.scene_files import ReadSceneFiles
+from pbpf_drake.diagrams.scene_digests import ReadSceneFiles
 from pbpf_drake.diagrams.scene_recording import record, recording_key
 from pbpf_drake.diagrams.scene_run import SceneRun
 from pbpf_drake.log_reader import ReadLog
