@@ -31,12 +31,12 @@ from pbpf_drake.diagrams.paper_values import (
     paper_runs_and_repeats,
 )
 from pbpf_drake.diagrams.run_command import RunCommand
+from pbpf_drake.diagrams.scene_run import scene_path
 from pbpf_drake.log import DetectionRecord, PoseRecord
 from pbpf_drake.pose_conversion import rigid_transform
 from pbpf_drake.pose_interpolation import interpolate_poses
 from pbpf_drake.recording_config import DetectorConfig
 from pbpf_drake.scene import LoadScene, Scene
-from pbpf_drake.scene_models import data_folder
 from pbpf_drake.simulated_detector import SimulatedDetector
 from pbpf_drake.truth_simulation import Recording, RecordRun
 
@@ -231,7 +231,7 @@ def _describe_run(
 ) -> list[tuple[str, dict[str, float]]]:
     """Returns an object's name and statistics, for each object and draw."""
     name, run = scene_and_run
-    scene = LoadScene(data_folder("diagrams") / "scenes" / f"{name}.yaml")
+    scene = LoadScene(scene_path(name))
     recording = RecordRun(scene=scene, run=run)
     images = {
         object_name: describe_images(visibility, scene.recording.detector)

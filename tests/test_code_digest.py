@@ -69,9 +69,15 @@ def test_versions_of_what_computes_count(digest, monkeypatch):
     assert digest() != first
 
 
+def _needed(name: str) -> set[str]:
+    """The modules that one of this package's needs, without the package."""
+    found = dut._imported(f"pbpf_drake.{name}")
+    return {n.removeprefix("pbpf_drake.") for n in found}
+
+
 def test_the_evaluation_depends_on_the_filter_but_not_on_the_pictures():
     name = "pbpf_drake.diagrams.evaluation"
-    found = {n.removeprefix("pbpf_drake.") for n in dut._imported(name)}
+    found = _needed("diagrams.evaluation")
     assert {
         "particle_filter_update",
         "physics_motion_model",
@@ -86,8 +92,7 @@ def test_the_evaluation_depends_on_the_filter_but_not_on_the_pictures():
 
 
 def test_a_recording_depends_on_the_truth_but_not_on_the_filter():
-    name = "pbpf_drake.diagrams.scene_recording"
-    found = {n.removeprefix("pbpf_drake.") for n in dut._imported(name)}
+    found = _needed("diagrams.scene_recording")
     assert {
         "truth_simulation",
         "simulated_detector",
