@@ -1,0 +1,1 @@
+"""What a user runs; below it, what that is made of."""

@@ -17,15 +17,18 @@ import sys
 import numpy as np
 from tqdm import tqdm
 
-from pbpf_drake.diagrams.benchmark_cases import (
+from pbpf_drake.diagrams.benchmark.benchmark_cases import (
     Benchmark,
     BenchmarkOptions,
     Case,
     MakeFilterBenchmark,
 )
-from pbpf_drake.diagrams.benchmark_memory import MemoryInUse, memory_growth
-from pbpf_drake.diagrams.benchmark_peers import CheckPeerPackages
-from pbpf_drake.diagrams.benchmark_table import (
+from pbpf_drake.diagrams.benchmark.benchmark_memory import (
+    MemoryInUse,
+    memory_growth,
+)
+from pbpf_drake.diagrams.benchmark.benchmark_peers import CheckPeerPackages
+from pbpf_drake.diagrams.benchmark.benchmark_table import (
     OWN,
     Measurement,
     engine_table,
@@ -35,8 +38,11 @@ from pbpf_drake.diagrams.benchmark_table import (
     update_line,
     update_table,
 )
-from pbpf_drake.diagrams.benchmark_workload import WORKLOADS, LoadWorkload
-from pbpf_drake.diagrams.run_command import RunCommand
+from pbpf_drake.diagrams.benchmark.benchmark_workload import (
+    WORKLOADS,
+    LoadWorkload,
+)
+from pbpf_drake.diagrams.jobs.run_command import RunCommand
 
 # How often the memory in use is printed.
 _MEMORY_ROWS = 20

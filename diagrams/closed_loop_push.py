@@ -10,7 +10,7 @@ last detection in place of the filter's estimate, and with the truth:
       +-----------+------------------ state of the truth ----------------+
 
 All arrows but the last one start at discrete state, so there is no algebraic
-loop. The truth is that of pbpf_drake.truth_model, not the filter's physics.
+loop. The truth is that of truth_model, not the filter's physics.
 
 A run counts as a success if the true centre of the object is within 40 mm of
 the goal, about half the length of the box, at the end: after 20 s, or when the
@@ -32,17 +32,25 @@ from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import Demultiplexer
 from tqdm import tqdm
 
-from pbpf_drake.add_particle_filter import AddParticleFilter, ConfigForMethod
-from pbpf_drake.diagrams.cartesian_servo import CartesianServo
-from pbpf_drake.diagrams.push_controller import PushConfig, PushController
-from pbpf_drake.diagrams.run_command import RunCommand
-from pbpf_drake.diagrams.simulated_camera import SimulatedCamera
-from pbpf_drake.diagrams.true_pose_source import TruePoseSource
-from pbpf_drake.prediction_model import MakePredictionModel
-from pbpf_drake.scene import LoadScene, Scene
-from pbpf_drake.scene_models import SceneModels, data_folder
-from pbpf_drake.single_snapshot_estimator import SingleSnapshotEstimator
-from pbpf_drake.truth_model import (
+from pbpf_drake.config.scene_config import LoadScene, Scene
+from pbpf_drake.diagrams.closed_loop.cartesian_servo import CartesianServo
+from pbpf_drake.diagrams.closed_loop.push_controller import (
+    PushConfig,
+    PushController,
+)
+from pbpf_drake.diagrams.closed_loop.simulated_camera import SimulatedCamera
+from pbpf_drake.diagrams.closed_loop.true_pose_source import TruePoseSource
+from pbpf_drake.diagrams.jobs.run_command import RunCommand
+from pbpf_drake.filtering.add_particle_filter import (
+    AddParticleFilter,
+    ConfigForMethod,
+)
+from pbpf_drake.filtering.single_snapshot_estimator import (
+    SingleSnapshotEstimator,
+)
+from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.scene.scene_models import SceneModels, data_folder
+from pbpf_drake.truth.truth_model import (
     AddTruthModels,
     SetTrueObjects,
     TruthParameters,

@@ -23,22 +23,22 @@ import sys
 import numpy as np
 from tqdm import tqdm
 
-from pbpf_drake import quaternions
-from pbpf_drake.diagrams.executors import LocalExecutor
-from pbpf_drake.diagrams.paper_values import (
+from pbpf_drake.config.recording_config import DetectorConfig
+from pbpf_drake.config.scene_config import LoadScene, Scene
+from pbpf_drake.diagrams.jobs.executors import LocalExecutor
+from pbpf_drake.diagrams.jobs.run_command import RunCommand
+from pbpf_drake.diagrams.jobs.scene_run import scene_path
+from pbpf_drake.diagrams.paper.paper_values import (
     PAPER,
     SCENES,
     paper_runs_and_repeats,
 )
-from pbpf_drake.diagrams.run_command import RunCommand
-from pbpf_drake.diagrams.scene_run import scene_path
-from pbpf_drake.log import DetectionRecord, PoseRecord
-from pbpf_drake.pose_conversion import rigid_transform
-from pbpf_drake.pose_interpolation import interpolate_poses
-from pbpf_drake.recording_config import DetectorConfig
-from pbpf_drake.scene import LoadScene, Scene
-from pbpf_drake.simulated_detector import SimulatedDetector
-from pbpf_drake.truth_simulation import Recording, RecordRun
+from pbpf_drake.log.log_records import DetectionRecord, PoseRecord
+from pbpf_drake.log.pose_interpolation import interpolate_poses
+from pbpf_drake.poses import quaternions
+from pbpf_drake.poses.pose_conversion import rigid_transform
+from pbpf_drake.truth.simulated_detector import SimulatedDetector
+from pbpf_drake.truth.truth_simulation import Recording, RecordRun
 
 _QUANTILES = (0.05, 0.5, 0.95)
 _COLUMNS = [

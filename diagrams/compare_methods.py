@@ -18,15 +18,15 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from pbpf_drake.diagrams.executors import LocalExecutor
-from pbpf_drake.diagrams.run_command import RunCommand
-from pbpf_drake.log_reader import ReadLog
-from pbpf_drake.particle_filter_config import METHODS
-from pbpf_drake.prediction_model import MakePredictionModel
-from pbpf_drake.report import MakeReport
-from pbpf_drake.scene import LoadScene
-from pbpf_drake.scene_models import data_folder
-from pbpf_drake.tracking import DefaultConfig, Track
+from pbpf_drake.config.particle_filter_config import METHODS
+from pbpf_drake.config.scene_config import LoadScene
+from pbpf_drake.diagrams.jobs.executors import LocalExecutor
+from pbpf_drake.diagrams.jobs.run_command import RunCommand
+from pbpf_drake.log.log_reader import ReadLog
+from pbpf_drake.results.report import MakeReport
+from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.scene.scene_models import data_folder
+from pbpf_drake.tracking.tracking_diagram import DefaultConfig, Track
 
 _ERRORS = ("position_error_m", "rotation_error_rad")
 _COLUMNS = ("object", "method", "seed", *_ERRORS)

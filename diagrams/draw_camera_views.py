@@ -28,21 +28,21 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
-from pbpf_drake.diagrams.run_command import RunCommand
-from pbpf_drake.joint_log_source import interpolate_joints
-from pbpf_drake.log import Log
-from pbpf_drake.log_reader import ReadLog
-from pbpf_drake.overlay import DETECTION_COLOR, ESTIMATE_COLOR
-from pbpf_drake.particle_filter_config import METHODS
-from pbpf_drake.pinhole import in_camera, project_points
-from pbpf_drake.pose_conversion import rigid_transform
-from pbpf_drake.pose_interpolation import interpolate_poses
-from pbpf_drake.prediction_model import MakePredictionModel
-from pbpf_drake.scene import CameraConfig, LoadScene, Scene
-from pbpf_drake.scene_models import AddSceneModels, data_folder
-from pbpf_drake.track_record import TrackRecord
-from pbpf_drake.tracking import SceneOfLog, Track
-from pbpf_drake.wireframes import box_edges
+from pbpf_drake.config.particle_filter_config import METHODS
+from pbpf_drake.config.scene_config import CameraConfig, LoadScene, Scene
+from pbpf_drake.diagrams.jobs.run_command import RunCommand
+from pbpf_drake.log.joint_log_source import interpolate_joints
+from pbpf_drake.log.log_reader import ReadLog
+from pbpf_drake.log.log_records import Log
+from pbpf_drake.log.pose_interpolation import interpolate_poses
+from pbpf_drake.poses.pose_conversion import rigid_transform
+from pbpf_drake.results.track_record import TrackRecord
+from pbpf_drake.scene.pinhole import in_camera, project_points
+from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.scene.scene_models import AddSceneModels, data_folder
+from pbpf_drake.shapes.wireframes import box_edges
+from pbpf_drake.tracking.tracking_diagram import SceneOfLog, Track
+from pbpf_drake.views.overlay import DETECTION_COLOR, ESTIMATE_COLOR
 
 _BACKGROUND = np.array([0.93, 0.94, 0.95])
 # From the camera, and from above.

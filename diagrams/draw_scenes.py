@@ -11,16 +11,16 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 import numpy as np
 
+from pbpf_drake.config.scene_config import LoadScene, Scene
 from pbpf_drake.diagrams.draw_camera_views import CameraView
-from pbpf_drake.diagrams.run_command import RunCommand
-from pbpf_drake.joint_log_source import interpolate_joints
-from pbpf_drake.log import Log
-from pbpf_drake.log_reader import ReadLog
-from pbpf_drake.pose_conversion import rigid_transform
-from pbpf_drake.pose_interpolation import interpolate_poses
-from pbpf_drake.prediction_model import MakePredictionModel
-from pbpf_drake.scene import LoadScene, Scene
-from pbpf_drake.scene_models import data_folder
+from pbpf_drake.diagrams.jobs.run_command import RunCommand
+from pbpf_drake.log.joint_log_source import interpolate_joints
+from pbpf_drake.log.log_reader import ReadLog
+from pbpf_drake.log.log_records import Log
+from pbpf_drake.log.pose_interpolation import interpolate_poses
+from pbpf_drake.poses.pose_conversion import rigid_transform
+from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.scene.scene_models import data_folder
 
 # When to look, as shares of a log's duration.
 _TIMES = (0.05, 0.35, 0.5, 0.75)

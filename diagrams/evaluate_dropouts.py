@@ -20,7 +20,9 @@ import sys
 
 import numpy as np
 
-from pbpf_drake.diagrams.push_evaluation import (
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.config.scene_config import LoadScene, Scene
+from pbpf_drake.diagrams.recorded_pushes.push_evaluation import (
     METHODS,
     EvaluateAll,
     PushConfig,
@@ -31,20 +33,18 @@ from pbpf_drake.diagrams.push_evaluation import (
     column,
     spread,
 )
-from pbpf_drake.diagrams.two_finger_log import (
+from pbpf_drake.diagrams.recorded_pushes.two_finger_log import (
     ReadTwoFingerPush,
     cut_to_update,
     find_dropouts,
     was_lifted,
 )
-from pbpf_drake.log import Log
-from pbpf_drake.particle_filter_config import ParticleFilterConfig
-from pbpf_drake.pose_errors import position_error, rotation_error
-from pbpf_drake.pose_interpolation import interpolate_poses
-from pbpf_drake.prediction_model import MakePredictionModel
-from pbpf_drake.scene import LoadScene, Scene
-from pbpf_drake.scene_models import data_folder
-from pbpf_drake.tracking import Track
+from pbpf_drake.log.log_records import Log
+from pbpf_drake.log.pose_interpolation import interpolate_poses
+from pbpf_drake.results.pose_errors import position_error, rotation_error
+from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.scene.scene_models import data_folder
+from pbpf_drake.tracking.tracking_diagram import Track
 
 # Longer than the period: without a detection at one update at least.
 _SHORTEST = 0.161

@@ -21,8 +21,11 @@ import sys
 
 import numpy as np
 
-from pbpf_drake.diagrams.planar_push_log import SimulateDetections
-from pbpf_drake.diagrams.push_evaluation import (
+from pbpf_drake.config.scene_config import LoadScene, Scene
+from pbpf_drake.diagrams.recorded_pushes.planar_push_log import (
+    SimulateDetections,
+)
+from pbpf_drake.diagrams.recorded_pushes.push_evaluation import (
     METHODS,
     EvaluateAll,
     PushConfig,
@@ -32,14 +35,13 @@ from pbpf_drake.diagrams.push_evaluation import (
     column,
     spread,
 )
-from pbpf_drake.log import Log
-from pbpf_drake.log_reader import ReadLog
-from pbpf_drake.pose_errors import compute_errors
-from pbpf_drake.pose_interpolation import interpolate_poses
-from pbpf_drake.quaternions import conjugate, rotate
-from pbpf_drake.scene import LoadScene, Scene
-from pbpf_drake.scene_models import data_folder
-from pbpf_drake.tracking import Track
+from pbpf_drake.log.log_reader import ReadLog
+from pbpf_drake.log.log_records import Log
+from pbpf_drake.log.pose_interpolation import interpolate_poses
+from pbpf_drake.poses.quaternions import conjugate, rotate
+from pbpf_drake.results.pose_errors import compute_errors
+from pbpf_drake.scene.scene_models import data_folder
+from pbpf_drake.tracking.tracking_diagram import Track
 
 _BLACKOUTS = ("contact", "earlier", "slip")
 _LENGTH = 0.5

@@ -15,8 +15,9 @@ import sys
 
 import numpy as np
 
-from pbpf_drake.diagrams.planar_push_log import ReadPlanarPush
-from pbpf_drake.diagrams.push_evaluation import (
+from pbpf_drake.config.scene_config import LoadScene
+from pbpf_drake.diagrams.recorded_pushes.planar_push_log import ReadPlanarPush
+from pbpf_drake.diagrams.recorded_pushes.push_evaluation import (
     METHODS,
     EvaluateAll,
     PushConfig,
@@ -27,10 +28,9 @@ from pbpf_drake.diagrams.push_evaluation import (
     column,
     spread,
 )
-from pbpf_drake.pose_errors import compute_errors
-from pbpf_drake.scene import LoadScene
-from pbpf_drake.scene_models import data_folder
-from pbpf_drake.tracking import Track
+from pbpf_drake.results.pose_errors import compute_errors
+from pbpf_drake.scene.scene_models import data_folder
+from pbpf_drake.tracking.tracking_diagram import Track
 
 _BLACKOUT = (0.4, 0.8)
 _RECOVERED = 0.03

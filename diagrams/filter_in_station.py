@@ -18,18 +18,21 @@ from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
-from pbpf_drake.add_particle_filter import AddParticleFilter, MakeParticleFilter
-from pbpf_drake.dope_log_source import DopeLogSource
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.config.scene_config import LoadScene, Scene
 from pbpf_drake.dope_measurement import DopeMeasurement
-from pbpf_drake.joint_log_source import JointLogSource
-from pbpf_drake.late_updates import LateUpdates
-from pbpf_drake.log import Log
-from pbpf_drake.log_reader import ReadLog
-from pbpf_drake.particle_filter import PhysicsBasedParticleFilter
-from pbpf_drake.particle_filter_config import ParticleFilterConfig
-from pbpf_drake.prediction_model import MakePredictionModel
-from pbpf_drake.scene import LoadScene, Scene
-from pbpf_drake.scene_models import data_folder
+from pbpf_drake.filtering.add_particle_filter import (
+    AddParticleFilter,
+    MakeParticleFilter,
+)
+from pbpf_drake.filtering.late_updates import LateUpdates
+from pbpf_drake.filtering.particle_filter import PhysicsBasedParticleFilter
+from pbpf_drake.log.dope_log_source import DopeLogSource
+from pbpf_drake.log.joint_log_source import JointLogSource
+from pbpf_drake.log.log_reader import ReadLog
+from pbpf_drake.log.log_records import Log
+from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.scene.scene_models import data_folder
 
 # The ports of the station.
 POSITIONS = "panda.position_measured"

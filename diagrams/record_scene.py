@@ -1,6 +1,6 @@
 """Simulates a scene's push and records it as a log that pbpf-track reads.
 
-The truth is not the filter's prediction model: see pbpf_drake.truth_model.
+The truth is not the filter's prediction model: see truth_model.
 Without arguments it records the log that comes with pbpf_drake.
 """
 
@@ -11,13 +11,13 @@ import sys
 import numpy as np
 from tqdm import tqdm
 
-from pbpf_drake import quaternions
-from pbpf_drake.diagrams.run_command import RunCommand
-from pbpf_drake.log import PoseRecord
-from pbpf_drake.mcap_log_writer import WriteLog
-from pbpf_drake.scene import LoadScene, Scene
-from pbpf_drake.scene_models import data_folder
-from pbpf_drake.truth_simulation import Recording, RecordRun
+from pbpf_drake.config.scene_config import LoadScene, Scene
+from pbpf_drake.diagrams.jobs.run_command import RunCommand
+from pbpf_drake.log.log_records import PoseRecord
+from pbpf_drake.log.mcap_log_writer import WriteLog
+from pbpf_drake.poses import quaternions
+from pbpf_drake.scene.scene_models import data_folder
+from pbpf_drake.truth.truth_simulation import Recording, RecordRun
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:

@@ -13,28 +13,28 @@ import os
 from pathlib import Path
 import sys
 
-from pbpf_drake.diagrams.error_bands import PlotBands
-from pbpf_drake.diagrams.evaluation import Result
-from pbpf_drake.diagrams.executors import ClusterExecutor, LocalExecutor
-from pbpf_drake.diagrams.job_queue import ExecutorFactory, Failure
-from pbpf_drake.diagrams.paper_comparisons import (
+from pbpf_drake.config.particle_filter_config import METHODS
+from pbpf_drake.diagrams.jobs.executors import ClusterExecutor, LocalExecutor
+from pbpf_drake.diagrams.jobs.job_queue import ExecutorFactory, Failure
+from pbpf_drake.diagrams.jobs.result_store import write_atomically
+from pbpf_drake.diagrams.jobs.run_command import RunCommand
+from pbpf_drake.diagrams.paper.error_bands import PlotBands
+from pbpf_drake.diagrams.paper.evaluation import Result
+from pbpf_drake.diagrams.paper.paper_comparisons import (
     compare_all,
     comparisons_csv,
     format_comparisons,
 )
-from pbpf_drake.diagrams.paper_rows import make_rows
-from pbpf_drake.diagrams.paper_tables import (
+from pbpf_drake.diagrams.paper.paper_rows import make_rows
+from pbpf_drake.diagrams.paper.paper_tables import (
     format_metrics,
     format_tables,
     metrics_csv,
     paper_csv,
 )
-from pbpf_drake.diagrams.paper_values import SCENES
-from pbpf_drake.diagrams.protocol import Protocol
-from pbpf_drake.diagrams.protocol_runner import RunProtocol
-from pbpf_drake.diagrams.result_store import write_atomically
-from pbpf_drake.diagrams.run_command import RunCommand
-from pbpf_drake.particle_filter_config import METHODS
+from pbpf_drake.diagrams.paper.paper_values import SCENES
+from pbpf_drake.diagrams.paper.protocol import Protocol
+from pbpf_drake.diagrams.paper.protocol_runner import RunProtocol
 
 # Jobs that a cluster is given at a time, however many workers it has.
 _CLUSTER_AHEAD = 256

@@ -13,28 +13,31 @@ import sys
 from pydrake.geometry import Meshcat, MeshcatParams
 from tqdm import tqdm
 
-from pbpf_drake.camera_images import CameraImages
-from pbpf_drake.diagnostic_plot import PlotDiagnostics
-from pbpf_drake.diagrams.run_command import RunCommand
-from pbpf_drake.error_plot import PlotErrors
-from pbpf_drake.log import Log
-from pbpf_drake.log_inspection import InspectLog
-from pbpf_drake.log_reader import ReadLog
-from pbpf_drake.particle_filter_config import METHODS, ParticleFilterConfig
-from pbpf_drake.prediction_model import MakePredictionModel
-from pbpf_drake.report import (
+from pbpf_drake.config.particle_filter_config import (
+    METHODS,
+    ParticleFilterConfig,
+)
+from pbpf_drake.config.scene_config import LoadScene, Scene
+from pbpf_drake.diagrams.jobs.run_command import RunCommand
+from pbpf_drake.log.camera_images import CameraImages
+from pbpf_drake.log.log_inspection import InspectLog
+from pbpf_drake.log.log_reader import ReadLog
+from pbpf_drake.log.log_records import Log
+from pbpf_drake.results.diagnostic_plot import PlotDiagnostics
+from pbpf_drake.results.error_plot import PlotErrors
+from pbpf_drake.results.report import (
     FormatTable,
     MakeReport,
     WriteErrors,
     WriteReport,
 )
-from pbpf_drake.scene import LoadScene, Scene
-from pbpf_drake.scene_meshcat import SaveReplay
-from pbpf_drake.scene_models import data_folder
-from pbpf_drake.track_diagnostics import MakeDiagnostics
-from pbpf_drake.track_record import TrackRecord
-from pbpf_drake.tracking import DefaultConfig, NumSteps, Track
-from pbpf_drake.write_track import WriteTrack
+from pbpf_drake.results.track_diagnostics import MakeDiagnostics
+from pbpf_drake.results.track_record import TrackRecord
+from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.scene.scene_models import data_folder
+from pbpf_drake.tracking.tracking_diagram import DefaultConfig, NumSteps, Track
+from pbpf_drake.tracking.write_track import WriteTrack
+from pbpf_drake.views.scene_meshcat import SaveReplay
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:

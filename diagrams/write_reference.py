@@ -13,7 +13,7 @@ import sys
 import tempfile
 from typing import Any
 
-from pbpf_drake.diagrams.run_command import RunCommand
+from pbpf_drake.diagrams.jobs.run_command import RunCommand
 
 # Of this module, which is the extension of Sphinx as well.
 _NAME = "pbpf_drake.diagrams.write_reference"

@@ -24,35 +24,13 @@ all that is around it. This tracks the first two seconds of a recorded push::
     poses = tracking.estimator.GetOutputPort("estimated_poses").Eval(context)
     print(dict(zip(scene.object_names(), poses, strict=True)))
 
-Plots are left to ``pbpf_drake.error_plot``: matplotlib takes long to import.
+Plots are left to ``pbpf_drake.results.error_plot``: matplotlib takes long to
+import.
 """
 
-from pbpf_drake.add_particle_filter import (
-    AddParticleFilter,
-    AssembleParticleFilter,
-    ConfigForMethod,
-    MakeParticleFilter,
-)
-from pbpf_drake.dope_log_source import DopeLogSource
-from pbpf_drake.dope_measurement import Detection, DopeMeasurement
-from pbpf_drake.estimate_recorder import AddEstimateRecorder, EstimateRecorder
-from pbpf_drake.ground_truth_log_source import GroundTruthLogSource
-from pbpf_drake.joint_log_source import JointLogSource
-from pbpf_drake.late_updates import LateUpdates
-from pbpf_drake.log import DetectionRecord, JointRecord, Log, PoseRecord
-from pbpf_drake.log_error import LogError
-from pbpf_drake.log_inspection import InspectLog
-from pbpf_drake.log_reader import ReadLog
-from pbpf_drake.log_topics import LogTopics
-from pbpf_drake.mcap_log_writer import WriteLog
-from pbpf_drake.motion_model import (
-    ConstantVelocityMotionModel,
-    MotionInput,
-    MotionModel,
-    MotionResult,
-)
-from pbpf_drake.particle_filter import PhysicsBasedParticleFilter
-from pbpf_drake.particle_filter_config import (
+from pbpf_drake.bags.log_error import LogError
+from pbpf_drake.config.log_topics import LogTopics
+from pbpf_drake.config.particle_filter_config import (
     AdaptiveCountConfig,
     ParticleFilterConfig,
     PhysicalParametersConfig,
@@ -60,33 +38,69 @@ from pbpf_drake.particle_filter_config import (
     TruncatedGaussian,
     VisibilityConfig,
 )
-from pbpf_drake.particle_filter_update import ParticleFilterUpdate
-from pbpf_drake.particle_visualizer import (
-    AddParticleVisualizer,
-    ParticleVisualizer,
-)
-from pbpf_drake.physics_motion_model import PhysicsMotionModel
-from pbpf_drake.pose_errors import (
-    ErrorTrace,
-    compute_errors,
-    position_error,
-    rotation_error,
-)
-from pbpf_drake.prediction_model import MakePredictionModel, PredictionModel
-from pbpf_drake.recording_config import RecordingConfig
-from pbpf_drake.report import FormatTable, MakeReport, WriteErrors, WriteReport
-from pbpf_drake.scene import (
+from pbpf_drake.config.recording_config import RecordingConfig
+from pbpf_drake.config.scene_config import (
     CameraConfig,
     LoadScene,
     Scene,
     TrackedObject,
 )
-from pbpf_drake.scene_meshcat import SaveReplay
-from pbpf_drake.scene_models import AddSceneModels, SceneModels, data_folder
-from pbpf_drake.single_snapshot_estimator import SingleSnapshotEstimator
-from pbpf_drake.symmetry import SymmetryConfig
-from pbpf_drake.track_record import TrackRecord
-from pbpf_drake.tracking import (
+from pbpf_drake.config.symmetry import SymmetryConfig
+from pbpf_drake.dope_measurement import Detection, DopeMeasurement
+from pbpf_drake.filtering.add_particle_filter import (
+    AddParticleFilter,
+    AssembleParticleFilter,
+    ConfigForMethod,
+    MakeParticleFilter,
+)
+from pbpf_drake.filtering.late_updates import LateUpdates
+from pbpf_drake.filtering.particle_filter import PhysicsBasedParticleFilter
+from pbpf_drake.filtering.particle_filter_update import ParticleFilterUpdate
+from pbpf_drake.filtering.single_snapshot_estimator import (
+    SingleSnapshotEstimator,
+)
+from pbpf_drake.log.dope_log_source import DopeLogSource
+from pbpf_drake.log.ground_truth_log_source import GroundTruthLogSource
+from pbpf_drake.log.joint_log_source import JointLogSource
+from pbpf_drake.log.log_inspection import InspectLog
+from pbpf_drake.log.log_reader import ReadLog
+from pbpf_drake.log.log_records import (
+    DetectionRecord,
+    JointRecord,
+    Log,
+    PoseRecord,
+)
+from pbpf_drake.log.mcap_log_writer import WriteLog
+from pbpf_drake.motion.motion_model import (
+    ConstantVelocityMotionModel,
+    MotionInput,
+    MotionModel,
+    MotionResult,
+)
+from pbpf_drake.motion.physics_motion_model import PhysicsMotionModel
+from pbpf_drake.results.pose_errors import (
+    ErrorTrace,
+    compute_errors,
+    position_error,
+    rotation_error,
+)
+from pbpf_drake.results.report import (
+    FormatTable,
+    MakeReport,
+    WriteErrors,
+    WriteReport,
+)
+from pbpf_drake.results.track_record import TrackRecord
+from pbpf_drake.scene.prediction_model import (
+    MakePredictionModel,
+    PredictionModel,
+)
+from pbpf_drake.scene.scene_models import (
+    AddSceneModels,
+    SceneModels,
+    data_folder,
+)
+from pbpf_drake.tracking.tracking_diagram import (
     DefaultConfig,
     MakeTrackingDiagram,
     NumSteps,
@@ -94,8 +108,17 @@ from pbpf_drake.tracking import (
     Track,
     TrackingDiagram,
 )
-from pbpf_drake.truth_simulation import Recording, RecordRun
-from pbpf_drake.visibility import VisibilityModel
+from pbpf_drake.truth.truth_simulation import Recording, RecordRun
+from pbpf_drake.views.estimate_recorder import (
+    AddEstimateRecorder,
+    EstimateRecorder,
+)
+from pbpf_drake.views.particle_visualizer import (
+    AddParticleVisualizer,
+    ParticleVisualizer,
+)
+from pbpf_drake.views.scene_meshcat import SaveReplay
+from pbpf_drake.visibility.visibility_model import VisibilityModel
 
 __all__ = [
     "AdaptiveCountConfig",

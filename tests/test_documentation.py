@@ -15,31 +15,31 @@ import pytest
 import yaml
 
 import pbpf_drake
-from pbpf_drake.add_particle_filter import MakeParticleFilter
-from pbpf_drake.diagrams.cartesian_servo import CartesianServo
-from pbpf_drake.diagrams.push_controller import PushConfig, PushController
-from pbpf_drake.diagrams.simulated_camera import SimulatedCamera
-from pbpf_drake.diagrams.true_pose_source import TruePoseSource
-from pbpf_drake.dope_log_source import DopeLogSource
-from pbpf_drake.estimate_recorder import EstimateRecorder
-from pbpf_drake.ground_truth_log_source import GroundTruthLogSource
-from pbpf_drake.joint_log_source import JointLogSource
-from pbpf_drake.particle_filter import PhysicsBasedParticleFilter
-from pbpf_drake.particle_visualizer import ParticleVisualizer
-from pbpf_drake.prediction_model import MakePredictionModel
-from pbpf_drake.scene import Scene
-from pbpf_drake.single_snapshot_estimator import SingleSnapshotEstimator
+from pbpf_drake.config.scene_config import Scene
+from pbpf_drake.diagrams.closed_loop.cartesian_servo import CartesianServo
+from pbpf_drake.diagrams.closed_loop.push_controller import (
+    PushConfig,
+    PushController,
+)
+from pbpf_drake.diagrams.closed_loop.simulated_camera import SimulatedCamera
+from pbpf_drake.diagrams.closed_loop.true_pose_source import TruePoseSource
+from pbpf_drake.filtering.add_particle_filter import MakeParticleFilter
+from pbpf_drake.filtering.particle_filter import PhysicsBasedParticleFilter
+from pbpf_drake.filtering.single_snapshot_estimator import (
+    SingleSnapshotEstimator,
+)
+from pbpf_drake.log.dope_log_source import DopeLogSource
+from pbpf_drake.log.ground_truth_log_source import GroundTruthLogSource
+from pbpf_drake.log.joint_log_source import JointLogSource
+from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.views.estimate_recorder import EstimateRecorder
+from pbpf_drake.views.particle_visualizer import ParticleVisualizer
 
 
 def _modules() -> list:
-    """All modules of the package, and its diagrams."""
-    found = [pbpf_drake]
-    diagrams = importlib.import_module("pbpf_drake.diagrams")
-    for package in (pbpf_drake, diagrams):
-        for info in pkgutil.iter_modules(package.__path__):
-            name = f"{package.__name__}.{info.name}"
-            found.append(importlib.import_module(name))
-    return found
+    """All modules of the package, in all rooms, and its diagrams."""
+    found = pkgutil.walk_packages(pbpf_drake.__path__, "pbpf_drake.")
+    return [pbpf_drake, *(importlib.import_module(info.name) for info in found)]
 
 
 MODULES = _modules()
@@ -225,9 +225,7 @@ def _undocumented(owner: object, module: str) -> list[str]:
 @pytest.mark.parametrize("module", MODULES, ids=lambda m: m.__name__)
 def test_every_public_name_has_a_docstring(module):
     assert _undocumented(module, module.__name__) == []
-    # Those of data are just their folders.
-    is_folder = module.__name__.endswith((".diagrams", ".models"))
-    assert is_folder or _is_documented(module)
+    assert _is_documented(module)
 
 
 def _parameters(function) -> list[inspect.Parameter]:

@@ -2,10 +2,11 @@
 
 from importlib import import_module
 import inspect
-from pathlib import Path
+import pkgutil
 import re
 
 import numpy as np
+from paths import ROOT
 from pydrake.multibody.plant import MultibodyPlant
 import pytest
 
@@ -18,9 +19,8 @@ from pbpf_drake import (
     VisibilityConfig,
 )
 from pbpf_drake.diagrams import reproduce_tables, track_log
-from pbpf_drake.pose_interpolation import interpolate_poses
+from pbpf_drake.log.pose_interpolation import interpolate_poses
 
-ROOT = Path(__file__).resolve().parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
@@ -149,17 +149,21 @@ def test_every_port_is_explained():
 def test_code_that_is_named_beside_the_paper_exists():
     table = rows("paper")
     assert len(table) > 10
+    modules = {
+        info.name.rpartition(".")[2]: info.name
+        for info in pkgutil.walk_packages(pbpf_drake.__path__, "pbpf_drake.")
+    }
     for row in table:
         names = re.findall(r"`(\w+)\.(\w+)`", row[-1])
         assert names, row
         for module, name in names:
-            assert hasattr(import_module(f"pbpf_drake.{module}"), name), name
+            assert hasattr(import_module(modules[module]), name), name
 
 
 def test_files_that_are_named_exist_and_pictures_are_small():
     links = re.findall(r"\]\(([^)#]+)\)", TEXT)
     links = [link for link in links if not link.startswith("http")]
-    named = re.findall(r"`((?:diagrams|pbpf_drake|\.ci)/[\w./]+)`", TEXT)
+    named = re.findall(r"`((?:diagrams|pbpf_drake|tests|\.ci)/[\w./]+)`", TEXT)
     assert links and named
     for path in links + named:
         assert (ROOT / path).exists(), path

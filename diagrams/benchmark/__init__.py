@@ -1,0 +1,1 @@
+"""How long updates take, how exact they are, and other engines."""

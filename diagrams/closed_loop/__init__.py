@@ -1,0 +1,1 @@
+"""A robot that pushes a box by the filter's estimates."""

@@ -1,0 +1,1 @@
+"""Many computations: where they run, what they depend on, what is kept."""

@@ -1,0 +1,104 @@
+"""Runs those jobs whose results aren't stored yet, and stores them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+import sys
+from typing import Any
+
+from tqdm import tqdm
+
+from pbpf_drake.diagrams.jobs.job_queue import (
+    ExecutorFactory,
+    Failure,
+    Job,
+    RunJobs,
+)
+from pbpf_drake.diagrams.jobs.result_store import ResultStore
+
+
+@dataclass(frozen=True, eq=False)
+class StoredJob:
+    """A job that makes bytes, and the key of all that they depend on."""
+
+    job: Job
+    key: Mapping[str, Any]
+
+
+def RunStoredJobs(
+    stored_jobs: Sequence[StoredJob],
+    store: ResultStore,
+    make_executor: ExecutorFactory,
+    *,
+    ahead: int,
+    title: str,
+) -> tuple[dict[str, bytes], list[Failure]]:
+    """Returns all results; what isn't stored is computed, and stored at once.
+
+    A progress bar shows how many there are, and the time left.
+
+    Args:
+        stored_jobs: with names that differ.
+        store: where results are, and go.
+        make_executor, ahead: see RunJobs.
+        title: of the progress bar.
+
+    Returns:
+        Results by the job's name, and the jobs that have none.
+    """
+    results: dict[str, bytes] = {}
+    missing: dict[str, StoredJob] = {}
+    for stored in stored_jobs:
+        data = store.Load(stored.job.name, stored.key)
+        if data is None:
+            missing[stored.job.name] = stored
+        else:
+            results[stored.job.name] = data
+    for note in store.notes:
+        tqdm.write(note, file=sys.stderr)
+    store.notes.clear()
+    failures: list[Failure] = []
+    with _make_bar(stored_jobs, missing, title) as bar:
+
+        def on_done(job: Job, result: bytes) -> None:
+            store.Save(job.name, missing[job.name].key, result)
+            results[job.name] = result
+            _advance(bar, job, len(results), len(stored_jobs))
+
+        def on_failure(job: Job, reason: str) -> None:
+            failures.append(Failure(job.name, reason))
+            _advance(bar, job, len(results), len(stored_jobs))
+
+        _advance(bar, None, len(results), len(stored_jobs))
+        RunJobs(
+            [stored.job for stored in missing.values()],
+            make_executor,
+            ahead=ahead,
+            on_done=on_done,
+            on_failure=on_failure,
+        )
+    return results, failures
+
+
+def _make_bar(
+    stored_jobs: Sequence[StoredJob],
+    missing: Mapping[str, StoredJob],
+    title: str,
+) -> tqdm:
+    """Returns a bar whose time left is by cost, of what isn't stored."""
+    costs = {s.job.name: s.job.cost for s in stored_jobs}
+    return tqdm(
+        total=sum(costs.values()),
+        initial=sum(c for name, c in costs.items() if name not in missing),
+        desc=title,
+        # The mean speed so far: jobs end in bursts.
+        smoothing=0,
+        bar_format="{desc}: {percentage:3.0f}%|{bar}|{postfix} "
+        "[{elapsed}, {remaining} left]",
+    )
+
+
+def _advance(bar: tqdm, job: Job | None, done: int, total: int) -> None:
+    bar.set_postfix_str(f"{done} of {total}", refresh=job is None)
+    if job is not None:
+        # The costs' sum differs from their total by rounding.
+        bar.update(min(job.cost, bar.total - bar.n))

@@ -1,0 +1,1 @@
+"""The paper's protocol, its tables and figures, and our numbers."""

@@ -1,0 +1,1 @@
+"""Pushes that others have recorded, and what is measured on them."""

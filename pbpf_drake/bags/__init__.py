@@ -1,0 +1,1 @@
+"""Recorded files and the messages in them, without ROS and without Drake."""

@@ -1,0 +1,63 @@
+"""Opens a log, whatever kind of file it is: by what it starts with."""
+
+from collections.abc import Callable, Collection
+from pathlib import Path
+
+from pbpf_drake.bags.log_error import LogError
+from pbpf_drake.bags.log_stream import LogStream
+from pbpf_drake.bags.mcap_stream import MCAP_MAGIC, McapStream
+from pbpf_drake.bags.ros1_bag_stream import Ros1BagStream
+from pbpf_drake.bags.ros1_records import BAG_MAGIC
+from pbpf_drake.bags.rosbag2_stream import Rosbag2Stream
+from pbpf_drake.bags.sqlite_bag_stream import SQLITE_MAGIC, SqliteBagStream
+from pbpf_drake.bags.zstd_stream import ZSTD_MAGIC, ZstdStream
+
+_EXPECTED = "expected an MCAP file, a ROS 1 bag or a ROS 2 bag"
+_STREAMS: dict[bytes, Callable[..., LogStream]] = {
+    MCAP_MAGIC: McapStream,
+    BAG_MAGIC: Ros1BagStream,
+    SQLITE_MAGIC: SqliteBagStream,
+}
+
+
+def OpenLogStream(
+    filename: Path, topics: Collection[str] | None = None
+) -> LogStream:
+    """Returns the stream of a log's messages.
+
+    Args:
+        filename: a file, or the folder of a ROS 2 recording.
+        topics: the topics whose messages to return; None means all.
+
+    Raises:
+        LogError: there is no such file, or it is no log; the message says
+            what it is.
+    """
+    if filename.is_dir():
+        return Rosbag2Stream(
+            folder=filename,
+            topics=topics,
+            open_file=lambda file: OpenLogStream(file, topics),
+        )
+    try:
+        with filename.open("rb") as file:
+            start = file.read(16)
+    except OSError as error:
+        raise LogError(f"it can't be opened: {error.strerror}") from error
+    for magic, stream in _STREAMS.items():
+        if start.startswith(magic):
+            return stream(filename=filename, topics=topics)
+    if start.startswith(ZSTD_MAGIC):
+        return ZstdStream(
+            filename=filename,
+            open_file=lambda file: OpenLogStream(file, topics),
+        )
+    raise LogError(f"{_EXPECTED}, but {_describe(start)}")
+
+
+def _describe(start: bytes) -> str:
+    if not start:
+        return "it is empty"
+    if start.startswith(b"#ROSBAG V1"):
+        return "it is a bag of a version before 2.0; convert it with rosbag fix"
+    return f"it starts with {start!r}"

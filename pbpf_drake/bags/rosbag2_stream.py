@@ -1,0 +1,116 @@
+"""Reads a ROS 2 recording that is a folder: metadata.yaml and its files."""
+
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from pbpf_drake.bags.log_error import LogError
+from pbpf_drake.bags.log_notes import plural
+from pbpf_drake.bags.log_stream import LogStream, RawMessage
+
+METADATA = "metadata.yaml"
+# The endings of a recording's files, where metadata.yaml doesn't name them.
+_ENDINGS = ("*.mcap", "*.db3", "*.mcap.zstd", "*.db3.zstd")
+
+
+class Rosbag2Stream:
+    """The messages of a folder's files, one after the other; see LogStream."""
+
+    kind = "a ROS 2 recording"
+
+    def __init__(
+        self,
+        *,
+        folder: Path,
+        topics: Collection[str] | None,
+        open_file: Callable[[Path], LogStream],
+    ):
+        """Prepares to read a folder.
+
+        Args:
+            folder: the folder.
+            topics: the topics whose messages to return; None means all.
+            open_file: opens one of its files, for these topics.
+        """
+        self.types: dict[str, str] = {}
+        self.damage: list[str] = []
+        self._folder = folder
+        self._topics = topics
+        self._open_file = open_file
+        self._promised: dict[str, int] = {}
+
+    def Messages(self) -> Iterator[RawMessage]:
+        """Yields the messages.
+
+        Raises:
+            LogError: the folder has no recording in it, or none of its files
+                can be read.
+        """
+        files = self._Files()
+        errors = []
+        found: Counter[str] = Counter()
+        for file in files:
+            try:
+                stream = self._open_file(file)
+                for message in stream.Messages():
+                    found[message.topic] += 1
+                    yield message
+            except LogError as error:
+                errors.append(f"{file.name}: {error}")
+                continue
+            self.types.update(stream.types)
+            self.damage += [f"{file.name}: {said}" for said in stream.damage]
+        if len(errors) == len(files):
+            raise LogError("; ".join(errors))
+        self.damage += errors
+        self._CompareCounts(found)
+
+    def _Files(self) -> list[Path]:
+        try:
+            names = self._ReadMetadata()
+        except Exception as error:  # Damage can show in any way.
+            self.damage.append(
+                f"{METADATA} can't be used ({_brief(error)}): all files of "
+                "the folder are read"
+            )
+            names = sorted(
+                {f.name for end in _ENDINGS for f in self._folder.glob(end)}
+            )
+        if not names:
+            raise LogError(
+                f"it is a folder without {METADATA} and without files of the "
+                "endings .mcap and .db3"
+            )
+        return [self._folder / name for name in names]
+
+    def _ReadMetadata(self) -> list[str]:
+        path = self._folder / METADATA
+        if not path.is_file():
+            raise FileNotFoundError("there is none")
+        data: Any = yaml.safe_load(path.read_bytes())
+        information = data["rosbag2_bagfile_information"]
+        # ROS 2 finds files by their names in the folder, too.
+        names = [Path(p).name for p in information["relative_file_paths"]]
+        for entry in information["topics_with_message_count"]:
+            topic = str(entry["topic_metadata"]["name"])
+            if self._topics is None or topic in self._topics:
+                self._promised[topic] = int(entry["message_count"])
+        # A recorder that was broken off may not have written the last ones.
+        return [name for name in names if name]
+
+    def _CompareCounts(self, found: Counter[str]) -> None:
+        for topic, promised in self._promised.items():
+            if found[topic] != promised:
+                self.damage.append(
+                    f"{METADATA} says that {topic} has "
+                    f"{plural(promised, 'message')}, but {found[topic]} could "
+                    "be read"
+                )
+
+
+def _brief(error: Exception) -> str:
+    lines = str(error).splitlines()
+    return lines[0] if lines else type(error).__name__

@@ -1,0 +1,1 @@
+"""What a scene file says: dataclasses, defaults, and checks."""

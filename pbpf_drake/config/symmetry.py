@@ -1,0 +1,62 @@
+"""Which turns of an object can't be told from its shape."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pbpf_drake.poses.quaternions import from_rotation_vector
+
+
+@dataclass(kw_only=True)
+class SymmetryConfig:
+    """Turns about one axis of an object that leave it as it is.
+
+    Only errors that respect symmetry use it; the filter doesn't.
+    """
+
+    # The axis, in the object's frame and of any length; empty: there is none.
+    axis: list[float] = field(default_factory=list)
+    # How many turns about it there are: 2 for half turns, say. 0 is any turn,
+    # as of a can.
+    order: int = 0
+
+    def ValidateOrThrow(self, name: str) -> None:
+        """Raises ValueError, naming the field, if a value can't be used."""
+        axis = np.asarray(self.axis, dtype=float)
+        is_axis = len(axis) == 3 and np.all(np.isfinite(axis)) and axis.any()
+        if axis.size and not is_axis:
+            raise ValueError(
+                f"{name}.axis is {self.axis!r}; expected three numbers that "
+                "are not all 0, or none"
+            )
+        if self.order < 0:
+            raise ValueError(
+                f"{name}.order is {self.order!r}; expected at least 0"
+            )
+        if self.order and not self.axis:
+            raise ValueError(
+                f"{name}.order is {self.order!r}, but there is no axis; "
+                "expected an axis as well"
+            )
+
+    def is_continuous(self) -> bool:
+        """Returns whether any turn about the axis leaves the object alike."""
+        return bool(self.axis) and self.order == 0
+
+    def unit_axis(self) -> np.ndarray:
+        """Returns the axis with a length of 1; zeros where there is none."""
+        axis = np.asarray(self.axis or [0.0, 0.0, 0.0], dtype=float)
+        return axis / max(float(np.linalg.norm(axis)), 1e-300)
+
+    def turns(self, count: int) -> np.ndarray:
+        """Returns the symmetric turns as quaternions, (S, 4), w, x, y, z.
+
+        Args:
+            count: S, how many evenly spaced ones stand for any turn; it is
+                not used where they can be counted.
+        """
+        number = count if self.is_continuous() else max(self.order, 1)
+        if not self.axis:
+            number = 1
+        angles = 2 * np.pi * np.arange(number) / number
+        return from_rotation_vector(angles[:, None] * self.unit_axis())

@@ -1,0 +1,1 @@
+"""A recorded manipulation: read from messages, cleaned, placed in time."""

@@ -1,0 +1,100 @@
+"""Which topics and frames of a log a scene asks for."""
+
+from collections.abc import Mapping, Sequence
+
+from pbpf_drake.config.log_topics import for_object, frame_name, is_frame
+from pbpf_drake.config.scene_config import Scene
+from pbpf_drake.log.log_clock import Stamped
+from pbpf_drake.log.log_samples import (
+    DETECTION_TYPES,
+    JOINT_TYPES,
+    TF_TYPES,
+    TRUTH_TYPES,
+    FramedPose,
+)
+
+# What a message of a topic that is one object's is taken as the pose of.
+ANY = ""
+
+
+class LogSources:
+    """Where a scene's log holds what.
+
+    A source is a topic, or "tf:" and a frame.
+
+    Attributes:
+        types: by topic, the types that its messages may have.
+        joints: the topic that joint positions are from.
+        detections: by source, the object that it is of; ANY where messages
+            name their objects.
+        ground_truth: by the object's name, its source.
+    """
+
+    def __init__(self, scene: Scene):
+        """Makes the lists.
+
+        Args:
+            scene: names topics, frames and objects.
+        """
+        topics = scene.topics
+        self._truth_ids = scene.ground_truth_ids()
+        self._names_truth = "{name}" in topics.ground_truth
+        class_ids = {v: k for k, v in scene.object_by_class().items()}
+        self.joints = topics.tf if topics.tf_joints else topics.joint_states
+        if "{name}" in topics.detections or len(class_ids) == 1:
+            self.detections = {
+                for_object(topics.detections, class_id): name
+                for name, class_id in class_ids.items()
+            }
+        else:
+            self.detections = {topics.detections: ANY}
+        self.ground_truth = {
+            name: for_object(topics.ground_truth, truth_id)
+            for name, truth_id in self._truth_ids.items()
+        }
+        self.types = self._Types(scene)
+
+    def _Types(self, scene: Scene) -> dict[str, tuple[str, ...]]:
+        topics = scene.topics
+        wanted: list[tuple[str, tuple[str, ...]]] = []
+        if not topics.tf_joints:
+            wanted.append((self.joints, JOINT_TYPES))
+        wanted += [(s, DETECTION_TYPES) for s in self.detections]
+        wanted += [(s, TRUTH_TYPES) for s in self.ground_truth.values()]
+        if topics.ground_truth_base:
+            wanted.append((topics.ground_truth_base, TRUTH_TYPES))
+        if topics.reference_frame:
+            wanted += [(topics.tf, TF_TYPES), (topics.tf_static, TF_TYPES)]
+        types: dict[str, tuple[str, ...]] = {}
+        for source, accepted in wanted:
+            if not is_frame(source):
+                # The first use of a topic decides.
+                types.setdefault(source, accepted)
+        return types
+
+    def Truth(self, messages: Sequence[Stamped], name: str) -> list[Stamped]:
+        """Returns what of a topic's FramedPoses is of one object."""
+        if self._names_truth or len(self._truth_ids) == 1:
+            return list(messages)
+        wanted = frame_name(self._truth_ids[name])
+        return [m for m in messages if frame_name(m.value.name) == wanted]
+
+
+def from_source(
+    messages: Mapping[str, Sequence[Stamped]], source: str, tf: str
+) -> list[Stamped]:
+    """Returns the FramedPoses of a source.
+
+    Args:
+        messages: by topic.
+        source: a topic, or "tf:" and a frame.
+        tf: the topic of tf.
+    """
+    if not is_frame(source):
+        return list(messages.get(source, ()))
+    frame = frame_name(source)
+    return [
+        m
+        for m in messages.get(tf, ())
+        if isinstance(m.value, FramedPose) and m.value.name == frame
+    ]

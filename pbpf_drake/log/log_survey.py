@@ -1,0 +1,93 @@
+"""What is in a log, whether the filter needs it or not."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from pbpf_drake.bags.log_container import OpenLogStream
+from pbpf_drake.bags.log_stream import RawMessage
+from pbpf_drake.bags.message_decoder import MessageDecoder
+from pbpf_drake.log.log_samples import (
+    JOINT_TYPES,
+    TF_TYPES,
+    extract_samples,
+    is_one_of,
+)
+
+
+@dataclass
+class TopicSurvey:
+    """What there is on one topic.
+
+    Attributes:
+        type: of its messages.
+        count: of its messages.
+        first, last: when they were received (in nanoseconds).
+    """
+
+    type: str
+    count: int = 0
+    first: int = 0
+    last: int = 0
+
+    def Add(self, time: int) -> None:
+        """Counts one more message."""
+        self.first = min(self.first, time) if self.count else time
+        self.last = max(self.last, time) if self.count else time
+        self.count += 1
+
+
+@dataclass
+class LogSurvey:
+    """What there is in one log.
+
+    Attributes:
+        kind: what kind of file it is.
+        topics: by name.
+        frames: how often tf tells of a frame in its parent, by both names.
+        joints: names of joints, by topic.
+        damage: sentences on what can't be read.
+    """
+
+    kind: str = ""
+    topics: dict[str, TopicSurvey] = field(default_factory=dict)
+    frames: Counter[tuple[str, str]] = field(default_factory=Counter)
+    joints: dict[str, set[str]] = field(default_factory=dict)
+    damage: list[str] = field(default_factory=list)
+
+
+def survey_log(path: Path) -> LogSurvey:
+    """Returns what is in a log.
+
+    Args:
+        path: the file or folder.
+
+    Raises:
+        LogError: it is no log.
+    """
+    stream, decoder, survey = OpenLogStream(path), MessageDecoder(), LogSurvey()
+    for message in stream.Messages():
+        topic = survey.topics.setdefault(
+            message.topic, TopicSurvey(message.type)
+        )
+        topic.Add(message.log_time)
+        try:
+            _look_inside(message, decoder, survey)
+        except Exception:  # Damage can show in any way; ReadLog counts it.
+            continue
+    for name, kind in stream.types.items():
+        survey.topics.setdefault(name, TopicSurvey(kind))
+    survey.kind, survey.damage = stream.kind, stream.damage
+    return survey
+
+
+def _look_inside(
+    message: RawMessage, decoder: MessageDecoder, survey: LogSurvey
+) -> None:
+    if is_one_of(message.type, TF_TYPES):
+        decoded = decoder.Decode(message)
+        for _, pose in extract_samples(message.type, decoded):
+            survey.frames[pose.name, pose.frame] += 1
+    elif is_one_of(message.type, JOINT_TYPES):
+        names = decoder.Decode(message).name
+        survey.joints.setdefault(message.topic, set()).update(names)

@@ -1,0 +1,1 @@
+"""Rotations and poses as arrays: algebra, means, covariances."""

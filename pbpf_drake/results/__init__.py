@@ -1,0 +1,1 @@
+"""Errors, metrics, reports and plots of what was tracked."""

@@ -1,0 +1,143 @@
+"""Errors of poses that know the object's shape: ADD, ADD-S, MSSD, AUC.
+
+ADD and ADD-S are those of Hinterstoisser et al. (ACCV 2012) and of PoseCNN
+(Xiang et al., RSS 2018), MSSD is that of the BOP challenge (Hodaň et al., ECCV
+2020). All are computed in the true object's frame, where an estimated pose X
+against the true one is D = X_ref⁻¹ X: distances stay the same.
+
+Poses are (N, 7): unit quaternions w, x, y, z, then positions (in meters), all
+in one frame. Points are (P, 3) in the object's frame (in meters).
+"""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pbpf_drake.config.symmetry import SymmetryConfig
+from pbpf_drake.poses.quaternions import (
+    angle_between,
+    conjugate,
+    from_rotation_vector,
+    multiply,
+    rotate,
+)
+
+# Turns that stand for any turn about an axis.
+_NUM_TURNS = 64
+# Distances at a time, so that a long log doesn't fill the memory.
+_CHUNK = 300_000
+
+
+def symmetric_rotation_error(
+    q: np.ndarray, q_ref: np.ndarray, symmetry: SymmetryConfig
+) -> np.ndarray:
+    """Returns the smallest angle to a rotation that looks like the true one.
+
+    Args:
+        q: (..., 4) estimated unit quaternions w, x, y, z.
+        q_ref: (..., 4) true ones, in the same frame.
+        symmetry: of the object.
+
+    Returns:
+        (...), in [0, pi] (in radians).
+    """
+    d = multiply(conjugate(q_ref), q)
+    if symmetry.is_continuous():
+        along = d[..., 1:] @ symmetry.unit_axis()
+        # What remains when the turn about the axis is taken out of d.
+        across = np.linalg.norm(
+            np.cross(d[..., 1:], symmetry.unit_axis()), axis=-1
+        )
+        return 2 * np.arctan2(across, np.hypot(d[..., 0], along))
+    turns = symmetry.turns(_NUM_TURNS)
+    return np.min(angle_between(d[..., None, :], turns), axis=-1)
+
+
+def add_error(
+    X: np.ndarray, X_ref: np.ndarray, points: np.ndarray
+) -> np.ndarray:
+    """Returns the mean distance of the points to themselves, (N,) (ADD)."""
+    moved = _transform(_relative(X, X_ref), points)
+    return np.mean(np.linalg.norm(moved - points, axis=-1), axis=-1)
+
+
+def add_s_error(
+    X: np.ndarray, X_ref: np.ndarray, points: np.ndarray
+) -> np.ndarray:
+    """Returns the mean distance to the nearest point, (N,) (ADD-S).
+
+    For every point of the true object, the nearest one of the estimated
+    object.
+    """
+    # In the estimated object's frame, all true points of all poses at once.
+    true = _transform(_relative(X_ref, X), points)
+    distances, _ = cKDTree(points).query(true.reshape(-1, 3))
+    return np.mean(distances.reshape(true.shape[:-1]), axis=-1)
+
+
+def mssd_error(
+    X: np.ndarray,
+    X_ref: np.ndarray,
+    points: np.ndarray,
+    symmetry: SymmetryConfig,
+) -> np.ndarray:
+    """Returns the largest distance of a point, (N,) (MSSD).
+
+    That is to the true object, turned by the symmetric turn for which it is
+    smallest.
+    """
+    D = _relative(X, X_ref)
+    turns = symmetry.turns(_NUM_TURNS)
+    turns = np.broadcast_to(turns, (len(D), *turns.shape))
+    if symmetry.is_continuous():
+        # The estimate's own turn about the axis is among those tried.
+        along = D[:, 1:4] @ symmetry.unit_axis()
+        own = 2 * np.arctan2(along, D[:, 0])[:, None] * symmetry.unit_axis()
+        turns = multiply(from_rotation_vector(own)[:, None], turns)
+    step = max(1, _CHUNK // (turns.shape[1] * len(points)))
+    parts = [
+        _largest_distances(D[i : i + step], turns[i : i + step], points)
+        for i in range(0, len(D), step)
+    ]
+    return np.concatenate([np.empty(0), *parts])
+
+
+def area_under_curve(errors: np.ndarray, limit: float = 0.1) -> float:
+    """Returns the share of errors below a threshold, averaged over thresholds.
+
+    The thresholds are all from 0 to the limit. 1 is perfect; an unknown error
+    is above all of them.
+
+    Args:
+        errors: (...) distances (in meters), NaN where unknown.
+        limit: the largest threshold (in meters).
+
+    Returns:
+        In [0, 1]; NaN if there are no errors.
+    """
+    errors = np.asarray(errors, dtype=float)
+    known = np.where(np.isfinite(errors), errors, np.inf)
+    if not known.size:
+        return float("nan")
+    return float(np.mean(1 - np.minimum(known, limit) / limit))
+
+
+def _relative(X: np.ndarray, X_ref: np.ndarray) -> np.ndarray:
+    """Returns X_ref⁻¹ X, (N, 7)."""
+    inverse = conjugate(X_ref[:, :4])
+    q = multiply(inverse, X[:, :4])
+    p = rotate(inverse, X[:, 4:] - X_ref[:, 4:])
+    return np.concatenate([q, p], axis=-1)
+
+
+def _transform(D: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Returns all points moved by each pose, (N, P, 3)."""
+    return rotate(D[:, None, :4], points) + D[:, None, 4:]
+
+
+def _largest_distances(
+    D: np.ndarray, turns: np.ndarray, points: np.ndarray
+) -> np.ndarray:
+    """Returns min over turns (N, S, 4) of max over points, (N,)."""
+    moved = _transform(D, points)[:, None]
+    turned = rotate(turns[:, :, None], points)
+    return np.linalg.norm(moved - turned, axis=-1).max(axis=-1).min(axis=-1)

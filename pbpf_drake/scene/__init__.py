@@ -1,0 +1,1 @@
+"""Drake models of what a scene file says there is."""

@@ -1,0 +1,139 @@
+"""Parses the models of a scene into a MultibodyPlant and finds their roles."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydrake.multibody.parsing import (
+    ModelDirectives,
+    PackageMap,
+    Parser,
+    ProcessModelDirectives,
+)
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import (
+    BodyIndex,
+    JointIndex,
+    ModelInstanceIndex,
+    RigidBody,
+)
+
+from pbpf_drake.config.scene_config import Scene
+from pbpf_drake.scene.mesh_models import AddMeshModel, IsMeshModel
+
+
+@dataclass(frozen=True)
+class SceneModels:
+    """Which model instance of a plant plays which role.
+
+    Attributes:
+        robot: the robot's model instance.
+        objects: the body of each tracked object, in the scene's order.
+        fixed: bodies of all other models, and the world's.
+    """
+
+    robot: ModelInstanceIndex
+    objects: tuple[BodyIndex, ...]
+    fixed: tuple[BodyIndex, ...]
+
+
+def data_folder(name: str) -> Path:
+    """Returns the folder "models" or "diagrams", installed or in a clone."""
+    folder = (Path(__file__).parents[1] / name).resolve()
+    if folder.is_dir():
+        return folder
+    raise FileNotFoundError(f"pbpf_drake is installed without its {name}")
+
+
+def MakePackageMap(scene: Scene) -> PackageMap:
+    """Returns where the scene's directives find packages.
+
+    package://pbpf_drake is this project's models, package://scene is the
+    folder of the scene file; ROS_PACKAGE_PATH adds a user's own.
+    """
+    packages = PackageMap()
+    packages.Add("pbpf_drake", str(data_folder("models")))
+    if scene.path:
+        packages.Add("scene", str(Path(scene.path).parent))
+    packages.PopulateFromRosPackagePath()
+    return packages
+
+
+def AddSceneModels(plant: MultibodyPlant, scene: Scene) -> SceneModels:
+    """Adds the scene's models to a plant that is not finalized yet.
+
+    Raises:
+        ValueError: a model can't be parsed (a file is missing, say), the
+            robot or a tracked model doesn't exist or can't play its role, or
+            another model isn't welded to the world.
+    """
+    where = f"Scene {scene.path or '(without a file)'}"
+    parser = Parser(plant)
+    packages = MakePackageMap(scene)
+    parser.package_map().AddMap(packages)
+    meshes = [d for d in scene.directives if IsMeshModel(d)]
+    others = [d for d in scene.directives if not IsMeshModel(d)]
+    try:
+        for directive in meshes:
+            AddMeshModel(plant, directive, packages)
+        ProcessModelDirectives(ModelDirectives(directives=others), parser)
+    except Exception as error:
+        raise ValueError(f"{where}: {error}") from error
+    try:
+        return _find_roles(plant, scene)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from error
+
+
+def _find_roles(plant: MultibodyPlant, scene: Scene) -> SceneModels:
+    robot = _instance(plant, "robot", scene.robot)
+    objects = tuple(_tracked_body(plant, name) for name in scene.tracked)
+    tracked = {plant.GetModelInstanceByName(n) for n in scene.tracked}
+    welded = set(b.index() for b in plant.GetBodiesWeldedTo(plant.world_body()))
+    fixed = []
+    for i in range(plant.num_bodies()):
+        body = plant.get_body(BodyIndex(i))
+        if body.model_instance() in tracked | {robot}:
+            continue
+        if body.index() not in welded:
+            raise ValueError(
+                f"{body.scoped_name()} can move, but its model is neither "
+                "the robot nor tracked; weld it to the world or track it"
+            )
+        fixed.append(body.index())
+    return SceneModels(robot, objects, tuple(fixed))
+
+
+def _instance(
+    plant: MultibodyPlant, field: str, name: str
+) -> ModelInstanceIndex:
+    if not plant.HasModelInstanceNamed(name):
+        known = [
+            plant.GetModelInstanceName(ModelInstanceIndex(i))
+            for i in range(2, plant.num_model_instances())
+        ]
+        raise ValueError(f"{field} names {name!r}; the models are {known}")
+    return plant.GetModelInstanceByName(name)
+
+
+def _tracked_body(plant: MultibodyPlant, name: str) -> BodyIndex:
+    instance = _instance(plant, "tracked", name)
+    bodies = plant.GetBodyIndices(instance)
+    if len(bodies) != 1:
+        raise ValueError(
+            f"tracked model {name!r} has {len(bodies)} bodies; expected one"
+        )
+    body: RigidBody = plant.get_body(bodies[0])
+    for index in range(plant.num_model_instances()):
+        for j in plant.GetJointIndices(ModelInstanceIndex(index)):
+            joint = plant.get_joint(JointIndex(j))
+            _check_free(joint.child_body(), body, name)
+            _check_free(joint.parent_body(), body, name)
+    return body.index()
+
+
+def _check_free(jointed: RigidBody, body: RigidBody, name: str) -> None:
+    if jointed.index() == body.index():
+        raise ValueError(
+            f"tracked model {name!r} is attached by a joint or a weld; "
+            "expected one free body that is no part of the robot"
+        )

@@ -1,0 +1,1 @@
+"""Geometry of single shapes: boxes, distances, points, edges."""

@@ -1,0 +1,264 @@
+"""Runs an estimator on a log, in a Drake simulation."""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
+
+import numpy as np
+from pydrake.common.schema import Transform
+from pydrake.geometry import Meshcat
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
+
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.config.scene_config import Scene
+from pbpf_drake.filtering.add_particle_filter import (
+    AddParticleFilter,
+    ConfigForMethod,
+)
+from pbpf_drake.filtering.single_snapshot_estimator import (
+    SingleSnapshotEstimator,
+)
+from pbpf_drake.log.dope_log_source import DopeLogSource
+from pbpf_drake.log.ground_truth_log_source import GroundTruthLogSource
+from pbpf_drake.log.joint_log_source import JointLogSource
+from pbpf_drake.log.log_records import Log
+from pbpf_drake.poses.pose_conversion import pose_array
+from pbpf_drake.results.track_record import TrackRecord
+from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.views.particle_visualizer import AddParticleVisualizer
+
+
+@dataclass
+class TrackingDiagram:
+    """A log, an estimator, and what watches it.
+
+    Attributes:
+        diagram: the whole.
+        estimator: its particle filter or single-snapshot estimator.
+        update_seconds: grows by each update's wall time.
+    """
+
+    diagram: Diagram
+    estimator: System
+    update_seconds: list[float] = field(default_factory=list)
+
+
+def MakeTrackingDiagram(
+    *,
+    scene: Scene,
+    log: Log,
+    method: str,
+    config: ParticleFilterConfig,
+    meshcat: Meshcat | None = None,
+) -> TrackingDiagram:
+    """Connects the sources of a log to an estimator.
+
+    Args:
+        scene: the robot, the objects and the camera.
+        log: what was recorded.
+        method: "pbpf", "pbpf-v", "cvpf" or "dope".
+        config: of the particle filter, as from ConfigForMethod; of "dope"
+            only the period counts.
+        meshcat: where to draw, if anywhere.
+
+    Raises:
+        ValueError: the scene's models don't fit their roles, or a field of
+            the config is out of range.
+    """
+    scene = SceneOfLog(scene, log)
+    builder = DiagramBuilder()
+    joints = builder.AddNamedSystem(
+        "joint_log_source", JointLogSource(record=log.joints)
+    )
+    dope = builder.AddNamedSystem(
+        "dope_log_source",
+        DopeLogSource(detections=log.detections, X_WC=scene.camera.pose()),
+    )
+    seconds: list[float] = []
+    estimator = _AddEstimator(builder, scene, method, config, seconds)
+    if estimator.HasInputPort("joint_positions"):
+        builder.Connect(
+            joints.GetOutputPort("joint_positions"),
+            estimator.GetInputPort("joint_positions"),
+        )
+    builder.Connect(
+        dope.GetOutputPort("dope_measurement"),
+        estimator.GetInputPort("dope_measurement"),
+    )
+    if meshcat is not None:
+        _AddVisualizer(builder, scene, log, estimator, joints, dope, meshcat)
+    return TrackingDiagram(builder.Build(), estimator, seconds)
+
+
+def Track(
+    *,
+    scene: Scene,
+    log: Log,
+    method: str,
+    config: ParticleFilterConfig | None = None,
+    meshcat: Meshcat | None = None,
+    on_step: Callable[[], None] | None = None,
+) -> TrackRecord:
+    """Tracks the objects of a log and returns all estimates.
+
+    Args:
+        scene, log, method: see MakeTrackingDiagram.
+        config: of the particle filter; by default the scene's, adapted to
+            the method.
+        meshcat: see MakeTrackingDiagram.
+        on_step: called after each of ``NumSteps``.
+
+    Raises:
+        ValueError: the log is shorter than a period, or see
+            MakeTrackingDiagram.
+    """
+    config = config or DefaultConfig(scene, method)
+    num_steps = NumSteps(log, config)
+    if num_steps < 1:
+        raise ValueError(
+            f"the log is {log.duration:.3g} s long; expected at least one "
+            f"period, {config.period:g} s"
+        )
+    tracking = MakeTrackingDiagram(
+        scene=scene,
+        log=log,
+        method=method,
+        config=config,
+        meshcat=meshcat,
+    )
+    simulator = Simulator(tracking.diagram)
+    context = tracking.estimator.GetMyContextFromRoot(simulator.get_context())
+    rows = []
+    simulator.Initialize()
+    for step in range(1, num_steps + 1):
+        # An update at t is done when the simulator goes on from t.
+        simulator.AdvanceTo((step + 0.5) * config.period)
+        rows.append(_ReadPorts(tracking.estimator, context))
+        if on_step:
+            on_step()
+    return _MakeRecord(scene, method, config, rows, tracking.update_seconds)
+
+
+def SceneOfLog(scene: Scene, log: Log) -> Scene:
+    """Returns the scene with the camera where the log says that it was."""
+    if log.X_WC is None:
+        return scene
+    camera = replace(scene.camera, X_WC=Transform(log.X_WC))
+    return replace(scene, camera=camera)
+
+
+def DefaultConfig(scene: Scene, method: str) -> ParticleFilterConfig:
+    """Returns the scene's configuration for a method."""
+    if method == "dope":
+        return scene.filter
+    return ConfigForMethod(scene.filter, method)
+
+
+def NumSteps(log: Log, config: ParticleFilterConfig) -> int:
+    """Returns how many updates there are within the log."""
+    return int(log.duration / config.period + 1e-9)
+
+
+def _AddEstimator(
+    builder: DiagramBuilder,
+    scene: Scene,
+    method: str,
+    config: ParticleFilterConfig,
+    seconds: list[float],
+) -> System:
+    if method != "dope":
+        return AddParticleFilter(
+            builder=builder,
+            scene=scene,
+            config=config,
+            on_update=seconds.append,
+        )
+    return builder.AddNamedSystem(
+        "single_snapshot_estimator",
+        SingleSnapshotEstimator(
+            object_names=scene.object_names(),
+            nominal_poses=MakePredictionModel(scene).nominal_poses,
+            period=config.period,
+            on_update=seconds.append,
+        ),
+    )
+
+
+def _num_particles(estimator: System, config: ParticleFilterConfig) -> int:
+    return config.num_particles if estimator.HasOutputPort("particles") else 0
+
+
+def _AddVisualizer(
+    builder: DiagramBuilder,
+    scene: Scene,
+    log: Log,
+    estimator: System,
+    joints: JointLogSource,
+    dope: DopeLogSource,
+    meshcat: Meshcat,
+) -> None:
+    """Draws all that is known; the truth of those objects that have one."""
+    names = [n for n in scene.object_names() if n in log.ground_truth]
+    truth = None
+    if names:
+        truth = builder.AddNamedSystem(
+            "ground_truth_log_source",
+            GroundTruthLogSource(records=log.ground_truth, object_names=names),
+        ).GetOutputPort("ground_truth_poses")
+    AddParticleVisualizer(
+        builder=builder,
+        meshcat=meshcat,
+        scene=scene,
+        filter=estimator,
+        joint_positions=joints.GetOutputPort("joint_positions"),
+        dope_measurement=dope.GetOutputPort("dope_measurement"),
+        ground_truth_poses=truth,
+        ground_truth_names=names,
+    )
+
+
+def _ReadPorts(estimator: System, context: Context) -> dict[str, np.ndarray]:
+    """Returns the value of every output port, by name."""
+    row = {}
+    for i in range(estimator.num_output_ports()):
+        port = estimator.get_output_port(i)
+        row[port.get_name()] = port.Eval(context)
+    row["estimated_poses"] = np.array(
+        [pose_array(X_WO) for X_WO in row["estimated_poses"]]
+    )
+    return row
+
+
+def _MakeRecord(
+    scene: Scene,
+    method: str,
+    config: ParticleFilterConfig,
+    rows: list[dict[str, np.ndarray]],
+    seconds: list[float],
+) -> TrackRecord:
+    num_objects = len(scene.tracked)
+
+    def column(name: str, *shape: int) -> np.ndarray:
+        """Of the ports; zeros where the estimator lacks one."""
+        if rows and name not in rows[0]:
+            return np.zeros((len(rows), *shape))
+        return np.array([row[name] for row in rows]).reshape(-1, *shape)
+
+    num_particles = len(rows[0].get("weights", ()))
+    return TrackRecord(
+        method=method,
+        object_names=tuple(scene.object_names()),
+        times=column("update_time", 1)[:, 0],
+        poses=column("estimated_poses", num_objects, 7),
+        tracked=column("tracked", num_objects) > 0,
+        detected=column("detected", num_objects) > 0,
+        covariances=column("covariances", num_objects, 6, 6),
+        effective_sample_size=column("effective_sample_size", 1)[:, 0],
+        particles=column("particles", num_particles, num_objects, 7),
+        weights=column("weights", num_particles),
+        particles_used=column("particles_used", 1)[:, 0],
+        update_ms=1e3 * np.array(seconds[: len(rows)]),
+        period=config.period,
+        seed=config.seed,
+        config=asdict(config) if num_particles else {"period": config.period},
+    )

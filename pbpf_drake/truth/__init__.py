@@ -1,0 +1,1 @@
+"""Simulated recordings, by a physics that isn't the filter's."""

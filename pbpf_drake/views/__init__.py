@@ -1,0 +1,1 @@
+"""Pictures, videos and messages of what the filter sees."""

@@ -1,0 +1,21 @@
+from pbpf_drake.bags.log_notes import LogNotes, plural
+
+
+def test_plural():
+    assert plural(0, "chunk") == "0 chunks"
+    assert plural(1, "chunk") == "1 chunk"
+    assert plural(2, "chunk") == "2 chunks"
+
+
+def test_equal_notes_are_one_sentence():
+    notes = LogNotes()
+    notes.Count("/a", "left out", "message", "without a name")
+    notes.Add("A sentence")
+    notes.Count("/b", "left out", "message", "without a name")
+    notes.Count("/a", "left out", "message", "without a name")
+    assert notes.Sentences() == (
+        "A sentence",
+        "/a: left out 2 messages without a name",
+        "/b: left out 1 message without a name",
+    )
+    assert notes.Sentences("/b") == ("/b: left out 1 message without a name",)

@@ -1,0 +1,124 @@
+"""ROS 2 bags in SQLite, of all ages, and damaged ones."""
+
+import sqlite3
+
+from bag_fixtures import our_entries, write_ros2
+from damage_fixtures import count_wrong, expected_log
+from log_fixtures import JOINT_NAMES, make_small_scene
+import pytest
+
+from pbpf_drake.bags.log_error import LogError
+from pbpf_drake.log.log_reader import ReadLog
+
+PAGE = 4096
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("bag") / "log"
+    write_ros2(folder, our_entries(expected_log()))
+    return (folder / "log.db3").read_bytes()
+
+
+def _read(path):
+    return ReadLog(
+        filename=path, scene=make_small_scene(), joint_names=JOINT_NAMES
+    )
+
+
+@pytest.fixture
+def file(tmp_path, whole):
+    path = tmp_path / "log.db3"
+    path.write_bytes(whole)
+    return path
+
+
+def _change(path, *commands):
+    with sqlite3.connect(path) as database:
+        for command in commands:
+            database.execute(command)
+    database.close()
+
+
+def test_a_bag_of_humble_or_older_has_no_definitions(file):
+    _change(
+        file,
+        "DROP TABLE message_definitions",
+        "DROP TABLE schema",
+        "DROP TABLE metadata",
+    )
+    log = _read(file)
+    assert log.warnings == ()
+    assert count_wrong(log, expected_log()) == 0
+    assert len(log.detections) == len(expected_log().detections)
+
+
+def test_a_damaged_page_costs_the_messages_on_it(file, whole):
+    # The content of leaves with messages starts with their kind, 13.
+    leaves = [
+        at
+        for at in range(PAGE, len(whole), PAGE)
+        if whole[at] == 13 and b"\0\1\0\0" in whole[at + 200 : at + PAGE]
+    ]
+    content = bytearray(whole)
+    content[leaves[3]] = 77
+    file.write_bytes(content)
+    log = _read(file)
+    assert 120 < len(log.joints.times) < 150
+    assert any("left out the messages" in w for w in log.warnings)
+    assert count_wrong(log, expected_log()) == 0
+
+
+@pytest.mark.parametrize("share", [0.5, 0.6, 0.8])
+def test_a_file_that_is_cut_off_is_used_up_to_there(file, whole, share):
+    length = int(share * len(whole))
+    file.write_bytes(whole[:length])
+    log = _read(file)
+    assert 20 < len(log.joints.times) < 150
+    expected = f"cut off: it has {length} of {len(whole)} bytes"
+    assert any(expected in w for w in log.warnings)
+    assert any("no checksums" in w for w in log.warnings)
+    assert count_wrong(log, expected_log()) == 0
+
+
+def test_another_database_is_refused(tmp_path):
+    path = tmp_path / "cookies.sqlite"
+    _change(path, "CREATE TABLE cookies (id INTEGER)")
+    with pytest.raises(LogError, match="without the topics of a ROS 2 bag"):
+        _read(path)
+
+
+def test_what_is_no_row_of_a_bag_is_left_out(file):
+    _change(
+        file,
+        "UPDATE messages SET data = 'text' WHERE id = 4",
+        "UPDATE messages SET timestamp = 'soon' WHERE id = 7",
+        "UPDATE messages SET topic_id = 99 WHERE id = 9",
+    )
+    log = _read(file)
+    assert any("left out 2 messages: damaged" in w for w in log.warnings)
+    assert any("1 message of an unknown topic" in w for w in log.warnings)
+    assert count_wrong(log, expected_log()) == 0
+
+
+def test_a_topic_with_a_name_that_can_not_be_is_said(file, whole):
+    at = whole.index(b"/ground_truth/boxgeometry_msgs")
+    file.write_bytes(whole[:at] + b"\xd8" + whole[at + 1 :])
+    log = _read(file)
+    assert log.ground_truth == {}
+    assert any("left out the topic" in w for w in log.warnings)
+
+
+def test_what_a_recorder_left_in_its_journal_is_read(tmp_path, whole):
+    path = tmp_path / "live" / "log.db3"
+    path.parent.mkdir()
+    path.write_bytes(whole)
+    recorder = sqlite3.connect(path)
+    recorder.execute("PRAGMA journal_mode = WAL")
+    recorder.execute("DELETE FROM messages WHERE id > 200")
+    recorder.commit()
+    try:
+        count = len(_read(path).joints.times)
+    finally:
+        recorder.close()
+    assert count < 150

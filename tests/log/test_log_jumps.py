@@ -1,0 +1,33 @@
+import numpy as np
+import pytest
+
+from pbpf_drake.log.log_jumps import find_jumps
+
+TIMES = 0.01 * np.arange(10)
+
+
+def _walk():
+    return np.column_stack([0.05 * np.arange(10), np.zeros(10)])
+
+
+@pytest.mark.parametrize("index", [0, 1, 5, 8, 9])
+def test_a_sample_far_from_its_neighbours_is_found(index):
+    values = _walk()
+    values[index, 1] = -3.0
+    assert np.flatnonzero(find_jumps(TIMES, values)).tolist() == [index]
+
+
+def test_fast_motion_is_no_jump():
+    assert not np.any(find_jumps(TIMES, _walk() * 9.0))
+
+
+def test_a_motion_that_jumps_and_stays_is_left_alone():
+    values = _walk()
+    values[4:] += 5.0
+    assert not np.any(find_jumps(TIMES, values))
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_of_few_samples_none_is_known_to_be_wrong(count):
+    values = 100.0 * np.arange(count)[:, np.newaxis]
+    assert not np.any(find_jumps(TIMES[:count], values))
