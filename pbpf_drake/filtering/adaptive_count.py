@@ -17,8 +17,54 @@ from statistics import NormalDist
 import numpy as np
 
 from pbpf_drake.config.particle_filter_config import AdaptiveCountConfig
-from pbpf_drake.filtering.resampling import systematic_resample
+from pbpf_drake.filtering.filter_state import FilterState
+from pbpf_drake.filtering.resampling import (
+    effective_sample_size,
+    systematic_resample,
+)
+from pbpf_drake.filtering.update_step import UpdateStep
 from pbpf_drake.poses import quaternions
+
+
+def count_particles(
+    state: FilterState,
+    step: UpdateStep,
+    u: float,
+    most: int | None,
+    config: AdaptiveCountConfig,
+) -> int:
+    """Returns n, how many particles an update has.
+
+    Where a track begins it has as many as it may: what will be believed isn't
+    in the particles yet.
+
+    Args:
+        state: the state after the last update.
+        step: the update.
+        u: in [0, 1), of the resampling.
+        most: n is at most this, unless the configured minimum is more; None
+            means M.
+        config: says whether, and how, n depends on the belief.
+    """
+    count = len(state.weights)
+    if most is not None:
+        count = min(count, max(most, config.min_particles))
+    if not config.to_belief or not step.active[list(step.detections)].all():
+        return count
+    labels = bin_labels(
+        state.poses[:, step.active],
+        state.estimates[0, step.active],
+        (config.bin_position, config.bin_rotation),
+    )
+    size = effective_sample_size(state.weights)
+    return needed_particles(
+        labels,
+        state.weights,
+        u,
+        efficiency=min(size / state.num_used[0], 1.0),
+        most=count,
+        config=config,
+    )
 
 
 def kld_sample_size(

@@ -1,12 +1,17 @@
-"""The importance factor of a particle, given a detection (Section 4.2)."""
+"""The importance factor of a particle, given detections (Section 4.2)."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from pbpf_drake.config.particle_filter_config import PoseStddev
+from pbpf_drake.filtering.filter_state import StampedPose
+from pbpf_drake.filtering.particle_cloud import ParticleCloud
+from pbpf_drake.filtering.update_step import UpdateStep
 from pbpf_drake.poses import quaternions
 
-# So many standard deviations off, an outlier is as likely as a detection.
-_OUTLIER = 5.0
+# A detection that is so many standard deviations off is taken for an outlier.
+OUTLIER = 5.0
 
 
 def poses_at(start: np.ndarray, end: np.ndarray, fraction: float) -> np.ndarray:
@@ -45,6 +50,83 @@ def detection_log_likelihood(
     )
 
 
+def weigh_by_detections(
+    cloud: ParticleCloud, step: UpdateStep, stddev: PoseStddev
+) -> np.ndarray:
+    """Returns log w, log p(z_t | x̄) up to a constant, (n,).
+
+    It is -inf for particles that failed.
+
+    Args:
+        cloud: the particles.
+        step: the update, with the detections.
+        stddev: σ_DOPE.
+    """
+    log_weights = np.where(cloud.failed, -np.inf, 0.0)
+    for k, seen in step.detections.items():
+        log_weights += observation_log_likelihood(
+            cloud.start[:, k], cloud.end[:, k], seen, step, stddev
+        )
+        if not step.active[k]:
+            # These detections have chosen the particles of the new track, and
+            # must not count twice.
+            drawn = cloud.drawn[:, k]
+            log_weights -= observation_log_likelihood(
+                drawn, drawn, seen, step, stddev
+            )
+    return log_weights
+
+
+def observation_log_likelihood(
+    start: np.ndarray,
+    end: np.ndarray,
+    seen: Sequence[StampedPose],
+    step: UpdateStep,
+    stddev: PoseStddev,
+) -> np.ndarray:
+    """Returns log p(z_t | x̄) of one object's detections, (n,).
+
+    Each detection is compared with where the particles were at its stamp.
+
+    Args:
+        start: (n, 7) the particles at the beginning of the step.
+        end: (n, 7) the particles at its end.
+        seen: the detections.
+        step: whose path says when it began and ended.
+        stddev: σ_DOPE.
+    """
+    log_likelihood = np.zeros(len(end))
+    for detection in seen:
+        log_likelihood += detection_log_likelihood(
+            poses_at(start, end, step.fraction(detection.time)),
+            detection.pose,
+            stddev,
+        )
+    return log_likelihood
+
+
+def poses_at_last_images(
+    start: np.ndarray, end: np.ndarray, step: UpdateStep
+) -> np.ndarray:
+    """Returns the particles when each object was last seen, (n, K, 7).
+
+    Objects that weren't detected in this step are where they are at its end.
+
+    Args:
+        start: (n, K, 7) the particles at the beginning of the step.
+        end: (n, K, 7) the particles at its end.
+        step: the update.
+    """
+    imaged = end.copy()
+    for k, seen in step.detections.items():
+        fraction = step.fraction(seen[-1].time)
+        imaged[:, k] = poses_at(start[:, k], end[:, k], fraction)
+    return imaged
+
+
 def _log_gaussian(deviations: np.ndarray) -> np.ndarray:
-    """Returns the log of a Gaussian's share and of that of outliers."""
-    return np.logaddexp(-0.5 * deviations**2, -0.5 * _OUTLIER**2)
+    """Returns the log of a Gaussian with a floor, so that outliers don't count.
+
+    Beyond OUTLIER standard deviations it hardly falls any more.
+    """
+    return np.logaddexp(-0.5 * deviations**2, -0.5 * OUTLIER**2)

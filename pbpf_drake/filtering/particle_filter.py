@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import fields
 import time as wall_clock
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 from pydrake.common.value import AbstractValue, Value
@@ -18,22 +18,26 @@ from pydrake.systems.framework import (
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.dope_measurement import DopeMeasurement
-from pbpf_drake.filtering.filter_state import (
-    FilterState,
-    MakeInitialState,
-    StampedPose,
+from pbpf_drake.filtering.belief_covariance import belief_covariances
+from pbpf_drake.filtering.filter_scratch import FilterScratch
+from pbpf_drake.filtering.filter_state import FilterState, MakeInitialState
+from pbpf_drake.filtering.joint_samples import (
+    append_sample,
+    make_empty_samples,
+    make_sample,
+    path_since,
 )
 from pbpf_drake.filtering.particle_filter_update import ParticleFilterUpdate
+from pbpf_drake.filtering.recent_detections import (
+    add_detections,
+    make_empty_detections,
+    unused_detections,
+)
 from pbpf_drake.filtering.resampling import effective_sample_size
-from pbpf_drake.filtering.update_pace import UpdatePace
-from pbpf_drake.motion.control_path import ControlPath, add_hermite_midpoints
-from pbpf_drake.poses.pose_conversion import pose_array, rigid_transform
-from pbpf_drake.poses.pose_statistics import pose_covariance
+from pbpf_drake.poses.pose_conversion import rigid_transform
 
-# Samples of the joints closer than this (in seconds) are one.
-_SAME_TIME = 1e-6
-# A detection that is further off (in meters) is out of range.
-_FARTHEST = 1e3
+# Of the motion model; the system doesn't look into it.
+MotionScratch = TypeVar("MotionScratch")
 
 
 class PhysicsBasedParticleFilter(LeafSystem):
@@ -107,7 +111,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
         self,
         *,
         config: ParticleFilterConfig,
-        update: ParticleFilterUpdate,
+        update: ParticleFilterUpdate[MotionScratch],
         object_names: Sequence[str],
         nominal_poses: np.ndarray,
         num_joints: int,
@@ -135,7 +139,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
         self._scratch_index = self.DeclareCacheEntry(
             "scratch",
             ValueProducer(
-                allocate=lambda: Value(_Scratch(update, config.period)),
+                allocate=lambda: Value(FilterScratch(update, config.period)),
                 calc=ValueProducer.NoopCalc,
             ),
             {self.nothing_ticket()},
@@ -150,17 +154,13 @@ class PhysicsBasedParticleFilter(LeafSystem):
             )
             for field in fields(FilterState)
         }
-        # Rows of time, positions and velocities, the latest last.
         num_samples = self._config.control_samples + 1
-        self._samples_shape = (num_samples, 1 + 2 * num_joints)
-        samples = np.zeros(self._samples_shape)
-        samples[:, 0] = -np.inf  # There are none yet.
+        samples = make_empty_samples(num_samples, num_joints)
+        self._samples_shape = samples.shape
         self._samples_index = self.DeclareDiscreteState(samples.ravel())
-        # Of each object, rows of time and pose, the latest last.
-        self._detections_shape = (len(self._object_names), num_samples, 8)
-        self._detections_index = self.DeclareDiscreteState(
-            np.full(self._detections_shape, -np.inf).ravel()
-        )
+        detections = make_empty_detections(len(self._object_names), num_samples)
+        self._detections_shape = detections.shape
+        self._detections_index = self.DeclareDiscreteState(detections.ravel())
         self._update_time_index = self.DeclareDiscreteState([-1.0])
 
     def _DeclareOutputs(self) -> None:
@@ -236,23 +236,32 @@ class PhysicsBasedParticleFilter(LeafSystem):
         self, context: Context, values: DiscreteValues
     ) -> tuple[np.ndarray, np.ndarray]:
         """Keeps joints and detections until the next update; returns both."""
-        samples, detections = self._Samples(context), self._Detections(context)
+        samples = self._StoredSamples(context)
+        samples = append_sample(samples, self._ReadJoints(context, samples[-1]))
+        detections = self._ReadDetections(context)
         values.get_mutable_value(self._samples_index)[:] = samples.ravel()
         values.get_mutable_value(self._detections_index)[:] = detections.ravel()
         return samples, detections
 
     def _Update(self, context: Context, values: DiscreteValues) -> None:
         start = wall_clock.perf_counter()
-        samples, rows = self._TakeSamples(context, values)
+        samples, detections = self._TakeSamples(context, values)
         state = self._State(context)
-        scratch = self.get_cache_entry(self._scratch_index).Eval(context)
-        fit = self._config.adaptive_count.to_period
+        scratch: FilterScratch = self.get_cache_entry(self._scratch_index).Eval(
+            context
+        )
         state = self._update.Update(
             state,
-            path=self._Path(context, samples),
-            detections=_new_detections(rows, state),
-            scratch=scratch.Get(),
-            most=scratch.pace.Most() if fit else None,
+            path=path_since(
+                samples,
+                context.get_discrete_state(self._update_time_index).value()[0],
+                bend=self._velocities_port.HasValue(context),
+            ),
+            detections=unused_detections(detections, state.detection_times),
+            scratch=scratch.ForUpdate(),
+            most=scratch.pace.MaxParticles()
+            if self._config.adaptive_count.to_period
+            else None,
         )
         for name, index in self._state_index.items():
             values.get_mutable_value(index)[:] = np.ravel(getattr(state, name))
@@ -260,7 +269,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
             context.get_time()
         )
         seconds = wall_clock.perf_counter() - start
-        scratch.pace.Note(seconds, int(state.num_used[0]))
+        scratch.pace.AddUpdate(seconds, int(state.num_used[0]))
         if self._on_update:
             self._on_update(seconds)
 
@@ -274,16 +283,6 @@ class PhysicsBasedParticleFilter(LeafSystem):
             }
         )
 
-    def _ReadJoints(self, context: Context, last: np.ndarray) -> np.ndarray:
-        """Returns a row of time, positions, velocities; see _samples_shape."""
-        n = self._positions_port.size()
-        row = np.zeros(1 + 2 * n)
-        row[0] = context.get_time()
-        row[1 : n + 1] = self._positions_port.Eval(context)
-        if self._velocities_port.HasValue(context):
-            row[n + 1 :] = self._velocities_port.Eval(context)
-        return np.where(np.isfinite(row), row, last)
-
     def _StoredSamples(self, context: Context) -> np.ndarray:
         return (
             context.get_discrete_state(self._samples_index)
@@ -291,53 +290,36 @@ class PhysicsBasedParticleFilter(LeafSystem):
             .reshape(self._samples_shape)
         )
 
-    def _Samples(self, context: Context) -> np.ndarray:
-        """Returns the samples with one of now as the last."""
-        samples = self._StoredSamples(context)
-        now = self._ReadJoints(context, samples[-1])
-        if now[0] - samples[-1, 0] <= _SAME_TIME:
-            return np.vstack([samples[:-1], now])
-        return np.vstack([samples[1:], now])
+    def _ReadJoints(self, context: Context, last: np.ndarray) -> np.ndarray:
+        """Returns the sample of now."""
+        velocities = None
+        if self._velocities_port.HasValue(context):
+            velocities = self._velocities_port.Eval(context)
+        positions = self._positions_port.Eval(context)
+        return make_sample(context.get_time(), positions, velocities, last)
 
-    def _Path(self, context: Context, samples: np.ndarray) -> ControlPath:
-        """Returns u_t: the samples since the last update."""
-        samples = samples[np.isfinite(samples[:, 0])]
-        last = context.get_discrete_state(self._update_time_index).value()[0]
-        start = np.searchsorted(samples[:, 0], last + _SAME_TIME) - 1
-        since = samples[max(start, 0) :]
-        keep = np.append(np.diff(since[:, 0]) > _SAME_TIME, True)
-        times, n = since[keep, 0], self._positions_port.size()
-        path = ControlPath(times, since[keep, 1 : n + 1])
-        if not self._velocities_port.HasValue(context):
-            return path
-        return add_hermite_midpoints(path, since[keep, n + 1 :])
-
-    def _Detections(self, context: Context) -> np.ndarray:
-        """Returns the latest detections, with those of now as the last."""
-        detections = (
+    def _ReadDetections(self, context: Context) -> np.ndarray:
+        """Returns the stored detections with those of now."""
+        stored = (
             context.get_discrete_state(self._detections_index)
             .value()
             .reshape(self._detections_shape)
-            .copy()
         )
         if not self._measurement_port.HasValue(context):
-            return detections
+            return stored
         measurement = self._measurement_port.Eval(context)
         if not isinstance(measurement, DopeMeasurement):
             raise TypeError(
                 "The port dope_measurement holds a "
                 f"{type(measurement).__name__}; expected a DopeMeasurement"
             )
-        for k, name in enumerate(self._object_names):
-            detection = measurement.detections.get(name)
-            if detection is None or not detection.time > detections[k, -1, 0]:
-                continue
-            row = np.append(detection.time, pose_array(detection.X_WO))
-            age = context.get_time() - detection.time
-            recent = -_SAME_TIME <= age <= self._config.max_detection_age
-            if recent and np.all(np.abs(row[1:]) <= _FARTHEST):
-                detections[k] = np.vstack([detections[k, 1:], row])
-        return detections
+        return add_detections(
+            stored,
+            measurement,
+            object_names=self._object_names,
+            now=context.get_time(),
+            max_age=self._config.max_detection_age,
+        )
 
     def _CalcEstimatedPoses(
         self, context: Context, output: AbstractValue
@@ -352,47 +334,10 @@ class PhysicsBasedParticleFilter(LeafSystem):
         output.SetFromVector([effective_sample_size(weights)])
 
     def _CalcCovariances(self, context: Context, output: BasicVector) -> None:
-        state = self._State(context)
-        covariances = pose_covariance(
-            state.poses, state.weights, state.estimates[0]
+        covariances = belief_covariances(
+            self._State(context), self._config.initial_noise
         )
-        spread = self._config.initial_noise
-        unknown = np.diag(
-            [spread.rotation**2 / 3] * 3 + [spread.position**2 / 2] * 2 + [0.0]
-        )
-        covariances[state.num_estimates == 0] = unknown
         output.SetFromVector(covariances.ravel())
 
     def _CalcTracked(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(1.0 * (self._State(context).num_estimates > 0))
-
-
-def _new_detections(
-    detections: np.ndarray, state: FilterState
-) -> dict[int, list[StampedPose]]:
-    """Returns those of the sampled rows that no update has used yet."""
-    new = {}
-    for k, rows in enumerate(detections):
-        unused = rows[rows[:, 0] > state.detection_times[k]]
-        if len(unused):
-            new[k] = [StampedPose(row[0], row[1:]) for row in unused]
-    return new
-
-
-class _Scratch:
-    """Work space that a cloned context gets anew."""
-
-    def __init__(self, update: ParticleFilterUpdate, period: float) -> None:
-        self._update = update
-        self._period = period
-        self.pace = UpdatePace(period)
-        self._scratch: Any = None
-
-    def __deepcopy__(self, memo: dict) -> "_Scratch":
-        return _Scratch(self._update, self._period)
-
-    def Get(self) -> Any:
-        """Returns the scratch, made at first use."""
-        if self._scratch is None:
-            self._scratch = self._update.MakeScratch()
-        return self._scratch

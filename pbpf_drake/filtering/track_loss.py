@@ -9,18 +9,60 @@ mean that the track is lost.
 
 import numpy as np
 
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.filtering.observation_model import OUTLIER
+from pbpf_drake.filtering.update_step import UpdateStep
+
 # The share of the latest disagreement in the running mean.
 _GAIN = 0.25
 # A single detection counts as this many standard deviations at most ...
 _LARGEST = 3.0
-# ... and one that is so far off that it may be an outlier counts less: two of
-# them are not enough, three that agree are.
-_OUTLIER = 5.0
-_OUTLIER_COUNTS = 2.0
-# χ² with 3 degrees of freedom exceeds it in every ninth case by chance, too.
-# Then the particles that are drawn anew do little harm, while what was poked
-# just before it is hidden has to be found at once.
+# ... and one that may be an outlier counts less: two of them are not enough,
+# three that agree are.
+_LARGEST_OUTLIER = 2.0
+# A track counts as lost where χ² with 3 degrees of freedom is above this. By
+# chance it is in every ninth case. So low a limit finds what was poked just
+# before it is hidden, and where the track is intact, drawing particles anew
+# does little harm.
 _LOST = 6.0
+
+
+def find_lost_tracks(
+    last: np.ndarray,
+    predicted: np.ndarray,
+    supports: np.ndarray,
+    step: UpdateStep,
+    config: ParticleFilterConfig,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the disagreement of all objects, (K, 3), and what is lost, (K,).
+
+    The disagreement begins anew where a track is lost, and stays as it is
+    where an object isn't tracked or wasn't detected. Nothing counts as lost
+    unless ``recover_lost_tracks`` is set.
+
+    Args:
+        last: (K, 3) the disagreement after the last update, or zeros.
+        predicted: (n, K, 7) the particles x̄.
+        supports: (n, K, 3) the normals of what they stand on, or zeros.
+        step: the update.
+        config: the filter's.
+    """
+    disagreement = last.copy()
+    lost = np.zeros(len(last), dtype=bool)
+    for k, seen in step.detections.items():
+        if not step.active[k]:
+            continue
+        disagreement[k] = mean_disagreement(
+            disagreement[k],
+            predicted[:, k, 4:],
+            np.array([detection.pose[4:] for detection in seen]),
+            config.detection_noise.position,
+            _common_support(supports[:, k]),
+        )
+        if config.recover_lost_tracks and is_lost(disagreement[k]):
+            lost[k] = True
+            disagreement[k] = 0.0
+    return disagreement, lost
 
 
 def mean_disagreement(
@@ -52,7 +94,7 @@ def mean_disagreement(
     covariance += np.eye(3) * stddev**2 / len(detections)
     whitened = np.linalg.solve(np.linalg.cholesky(covariance), offset)
     length = float(np.linalg.norm(whitened))
-    limit = _LARGEST if length < _OUTLIER else _OUTLIER_COUNTS
+    limit = _LARGEST if length < OUTLIER else _LARGEST_OUTLIER
     whitened *= min(1.0, limit / max(length, 1e-12))
     return (1 - _GAIN) * last + _GAIN * whitened
 
@@ -60,3 +102,10 @@ def mean_disagreement(
 def is_lost(disagreement: np.ndarray) -> bool:
     """Returns whether a running mean, (3,), is more than chance."""
     return bool(disagreement @ disagreement * (2 - _GAIN) / _GAIN > _LOST)
+
+
+def _common_support(supports: np.ndarray) -> np.ndarray:
+    """Returns the unit normal (3,) that most particles stand on, or zeros."""
+    mean = np.mean(supports, axis=0)
+    length = np.linalg.norm(mean)
+    return mean / length if length > 0.5 else np.zeros(3)

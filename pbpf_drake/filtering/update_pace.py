@@ -23,8 +23,8 @@ class UpdatePace:
         self._budget = _SHARE * period
         self._per_particle: deque[float] = deque(maxlen=_UPDATES)
 
-    def Note(self, seconds: float, count: int) -> None:
-        """Takes note of an update.
+    def AddUpdate(self, seconds: float, count: int) -> None:
+        """Adds an update to the last ones.
 
         Args:
             seconds: how long it took.
@@ -32,7 +32,7 @@ class UpdatePace:
         """
         self._per_particle.append(seconds / count)
 
-    def Most(self) -> int | None:
+    def MaxParticles(self) -> int | None:
         """Returns how many particles fit; None as long as that isn't known."""
         if not self._per_particle:
             return None

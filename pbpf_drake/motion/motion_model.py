@@ -5,12 +5,15 @@ the filter hands it arrays and a scratch pad, and gets arrays back.
 """
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from pbpf_drake.motion.control_path import ControlPath
 from pbpf_drake.poses import quaternions
+
+# What an implementation works in.
+Scratch = TypeVar("Scratch")
 
 
 @dataclass(frozen=True)
@@ -21,8 +24,8 @@ class MotionInput:
         poses: (M, K, 7) the particles: qw qx qy qz, x y z (in meters).
         velocities: (M, K, 6) their angular (rad/s), then translational (m/s)
             velocities in the world.
-        active: (K,) whether an object is tracked yet. The others have no
-            known pose; they must not influence anything.
+        active: (K,) whether an object was tracked before this update. The
+            others have no known pose; they must not influence anything.
         path: u_t, what the robot did since the last update.
         estimates: (2, K, 7) the estimated poses of the last update and of
             the one before it.
@@ -58,16 +61,16 @@ class MotionResult:
     failed: np.ndarray
 
 
-class MotionModel(Protocol):
+class MotionModel(Protocol[Scratch]):
     """Predicts where objects go. Implementations keep no memory."""
 
-    def MakeScratch(self) -> Any:
+    def MakeScratch(self) -> Scratch:
         """Returns work space that the other two may write to.
 
         Nothing in it may influence a result.
         """
 
-    def Propagate(self, motion: MotionInput, scratch: Any) -> MotionResult:
+    def Propagate(self, motion: MotionInput, scratch: Scratch) -> MotionResult:
         """Returns f(x_{t-1}, u_t), without the noise ε."""
 
     def ResolvePenetration(
@@ -75,8 +78,8 @@ class MotionModel(Protocol):
         poses: np.ndarray,
         supports: np.ndarray,
         robot_positions: np.ndarray,
-        active: np.ndarray,
-        scratch: Any,
+        known: np.ndarray,
+        scratch: Scratch,
     ) -> np.ndarray:
         """Returns poses (M, K, 7), moved as little as physics asks for.
 
@@ -84,7 +87,9 @@ class MotionModel(Protocol):
             poses: (M, K, 7).
             supports: (M, K, 3) what the objects stand on, as in MotionResult.
             robot_positions: (n,) where the robot is (in radians or meters).
-            active: (K,) whether an object is tracked yet.
+            known: (K,) whether an object was tracked before this update, or
+                is detected in it. The others have no known pose; they must
+                not influence anything.
             scratch: from MakeScratch.
         """
 
@@ -124,7 +129,7 @@ class ConstantVelocityMotionModel:
         poses: np.ndarray,
         supports: np.ndarray,
         robot_positions: np.ndarray,
-        active: np.ndarray,
+        known: np.ndarray,
         scratch: None,
     ) -> np.ndarray:
         """Returns the poses as they are: this model knows no contact."""

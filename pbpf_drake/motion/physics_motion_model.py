@@ -140,17 +140,17 @@ class PhysicsMotionModel:
         poses: np.ndarray,
         supports: np.ndarray,
         robot_positions: np.ndarray,
-        active: np.ndarray,
+        known: np.ndarray,
         scratch: PhysicsScratch,
     ) -> np.ndarray:
         """Pushes the objects out of what they penetrate; see MotionModel."""
         link_poses = self._links.Poses(robot_positions, scratch.kinematics)
         distances = self._Distances(
-            poses, active, link_poses[None], np.full(len(poses), _REACH)
+            poses, known, link_poses[None], np.full(len(poses), _REACH)
         )
         deep = (distances < -TOUCH).any(axis=1)
-        deep |= self._check.MayPenetrate(poses, active)
-        resolved, parked = poses.copy(), self._Park(poses, active)
+        deep |= self._check.MayPenetrate(poses, known)
+        resolved, parked = poses.copy(), self._Park(poses, known)
         for members, result in _spread(
             scratch.crew,
             ParticlePhysics.PushOut,
@@ -163,7 +163,7 @@ class PhysicsMotionModel:
             groups=_groups(distances, deep),
             numbers=np.arange(len(poses)),
         ):
-            resolved[np.ix_(members, active)] = result[:, active]
+            resolved[np.ix_(members, known)] = result[:, known]
         return resolved
 
     def _Distances(
