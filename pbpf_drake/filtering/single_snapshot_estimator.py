@@ -45,6 +45,16 @@ class SingleSnapshotEstimator(LeafSystem):
 
     State: all of it is discrete. Events: an update every ``period``, the
     first one after ``period``, as in the particle filter.
+
+    Args:
+        object_names: names of the K tracked models.
+        nominal_poses: (K, 7) their poses X_WO before the first detection:
+            qw qx qy qz, x y z (in meters).
+        period: time between two updates (in seconds).
+        on_update: called after each update with its wall time (in seconds).
+
+    Raises:
+        ValueError: the shape of nominal_poses doesn't fit.
     """
 
     def __init__(
@@ -54,20 +64,7 @@ class SingleSnapshotEstimator(LeafSystem):
         nominal_poses: np.ndarray,
         period: float = 0.16,
         on_update: Callable[[float], None] | None = None,
-    ):
-        """Creates the estimator.
-
-        Args:
-            object_names: names of the K tracked models.
-            nominal_poses: (K, 7) their poses X_WO before the first detection:
-                qw qx qy qz, x y z (in meters).
-            period: time between two updates (in seconds).
-            on_update: called after each update with its wall time (in
-                seconds).
-
-        Raises:
-            ValueError: the shape of nominal_poses doesn't fit.
-        """
+    ) -> None:
         super().__init__()
         if np.shape(nominal_poses) != (len(object_names), 7):
             raise ValueError(
