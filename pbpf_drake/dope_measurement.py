@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from pydrake.math import RigidTransform
+from pydrake.systems.framework import Context, System
 
 
 @dataclass(frozen=True)
@@ -43,3 +44,22 @@ class DopeMeasurement:
     # Drake copies the values of ports, but can't copy a read-only mapping.
     def __deepcopy__(self, memo: dict) -> "DopeMeasurement":
         return self
+
+
+def EvalDopeMeasurement(system: System, context: Context) -> DopeMeasurement:
+    """Returns what a system's input port ``dope_measurement`` holds.
+
+    Args:
+        system: the system.
+        context: its own, in which the port has a value.
+
+    Raises:
+        TypeError: it is something else than a DopeMeasurement.
+    """
+    measurement = system.GetInputPort("dope_measurement").Eval(context)
+    if not isinstance(measurement, DopeMeasurement):
+        raise TypeError(
+            f"{system.get_name()}: dope_measurement is a "
+            f"{type(measurement).__name__}; expected a DopeMeasurement"
+        )
+    return measurement

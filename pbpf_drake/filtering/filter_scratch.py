@@ -1,14 +1,13 @@
 """Work space of a filter's context."""
 
-from typing import Generic, TypeVar
+from typing import Generic
 
 from pbpf_drake.filtering.particle_filter_update import (
     ParticleFilterUpdate,
     UpdateScratch,
 )
 from pbpf_drake.filtering.update_pace import UpdatePace
-
-MotionScratch = TypeVar("MotionScratch")
+from pbpf_drake.motion.motion_model import MotionScratch
 
 
 class FilterScratch(Generic[MotionScratch]):

@@ -13,14 +13,14 @@ from pbpf_drake.motion.control_path import ControlPath, add_hermite_midpoints
 _SAME_TIME = 1e-6
 
 
-def make_empty_samples(count: int, num_joints: int) -> np.ndarray:
+def make_empty_rows(count: int, num_joints: int) -> np.ndarray:
     """Returns so many rows that aren't filled yet, (S, 1 + 2 n)."""
     samples = np.zeros((count, 1 + 2 * num_joints))
     samples[:, 0] = -np.inf
     return samples
 
 
-def make_sample(
+def make_row(
     time: float,
     positions: np.ndarray,
     velocities: np.ndarray | None,
@@ -40,7 +40,7 @@ def make_sample(
     return np.where(np.isfinite(row), row, last)
 
 
-def append_sample(samples: np.ndarray, sample: np.ndarray) -> np.ndarray:
+def append_row(samples: np.ndarray, sample: np.ndarray) -> np.ndarray:
     """Returns (S, 1 + 2 n) with a row as the last, and without the first.
 
     One of the same time as the last row takes its place.

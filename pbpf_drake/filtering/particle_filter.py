@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import fields
 import time as wall_clock
-from typing import TypeVar
 
 import numpy as np
 from pydrake.common.value import AbstractValue, Value
@@ -17,27 +16,23 @@ from pydrake.systems.framework import (
 )
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
-from pbpf_drake.dope_measurement import DopeMeasurement
+from pbpf_drake.dope_measurement import DopeMeasurement, EvalDopeMeasurement
+from pbpf_drake.filtering import joint_samples, recent_detections
 from pbpf_drake.filtering.belief_covariance import belief_covariances
+from pbpf_drake.filtering.discrete_arrays import DiscreteArrays
 from pbpf_drake.filtering.filter_scratch import FilterScratch
 from pbpf_drake.filtering.filter_state import FilterState, MakeInitialState
-from pbpf_drake.filtering.joint_samples import (
-    append_sample,
-    make_empty_samples,
-    make_sample,
-    path_since,
-)
 from pbpf_drake.filtering.particle_filter_update import ParticleFilterUpdate
-from pbpf_drake.filtering.recent_detections import (
-    add_detections,
-    make_empty_detections,
-    unused_detections,
-)
 from pbpf_drake.filtering.resampling import effective_sample_size
+from pbpf_drake.motion.motion_model import MotionScratch
 from pbpf_drake.poses.pose_conversion import rigid_transform
 
-# Of the motion model; the system doesn't look into it.
-MotionScratch = TypeVar("MotionScratch")
+# What is in the discrete state beside FilterState: the joints and detections
+# since the last update, and when that was.
+_SAMPLES = "joint_samples"
+_DETECTIONS = "recent_detections"
+_UPDATE_TIME = "update_time"
+
 
 
 class PhysicsBasedParticleFilter(LeafSystem):
@@ -67,33 +62,32 @@ class PhysicsBasedParticleFilter(LeafSystem):
         - update_time
 
     Input ``joint_positions``: (n,) the robot's measured joints, in the order
-    of its model (in radians or meters). It is sampled ``control_samples``
-    times per period. A value that isn't finite is ignored: the joint's last
-    one is held. Input ``joint_velocities``: (n,) bends the path between two
-    samples. Input ``dope_measurement``: a DopeMeasurement; a detection is
-    used if its stamp is new, not of the future and at most
-    ``max_detection_age`` old, and if its pose is finite and within 1 km.
+    of its model (in radians or meters), sampled ``control_samples`` times per
+    period. Where a value isn't finite, the joint's last one is held. Input
+    ``joint_velocities``: (n,) bends the path between two samples. Input
+    ``dope_measurement``: a DopeMeasurement; a detection is used if its stamp
+    is new, not of the future and at most ``max_detection_age`` old, and if its
+    pose is finite and within 1 km.
 
     Output ``estimated_poses``: list of K RigidTransform X_WO, the weighted
     mean of the particles. Output ``particles``: (M, K, 7) in row-major order:
     qw qx qy qz (unit), x y z (in meters). Output ``weights``: (M,), sum 1.
-    Output ``effective_sample_size``: from 1 to n. Output ``particles_used``: n,
-    the first of the M particles; the others repeat them with a weight of 0, and
-    there are none if ``adaptive_count`` is off. Output ``covariances``:
-    (K, 6, 6) in row-major order: rotation vector (in radians), then position
-    (in meters), in the world. Outputs ``tracked`` and ``detected``: (K,) 1 if
-    the object has been detected, ever and at the last update, else 0. Output
-    ``update_time``: time of the last update (in seconds), -1 before it.
+    Output ``effective_sample_size``: from 1 to n. Output ``particles_used``:
+    n, less than M with ``adaptive_count``; then the other particles repeat the
+    first n with a weight of 0. Output ``covariances``: (K, 6, 6) in row-major
+    order: rotation vector (in radians), then position (in meters), in the
+    world. Outputs ``tracked`` and ``detected``: (K,) 1 if the object has been
+    detected, ever and at the last update, else 0. Output ``update_time``: of
+    the last update (in seconds), -1 before it.
 
-    Before the first detection of an object its estimate and its particles are
-    the nominal pose that the scene gives it, its covariance is that of the
-    initial spread, and it takes no part in the physics of the others.
+    Before an object is first detected, its estimate and particles are the
+    nominal pose that the scene gives it, its covariance is that of the initial
+    noise, and it takes no part in the physics of the others.
 
-    State: all of it is discrete: particles with their velocities, weights,
-    two estimates, counters, and the latest samples of the joints. No port has
-    direct feedthrough. Randomness is a pure function of (seed, step). Only with
-    ``adaptive_count.to_period`` does anything depend on wall times; those of
-    the last updates are no state, and a cloned context starts without them.
+    State: all of it is discrete. No port has direct feedthrough. Randomness is
+    a pure function of (seed, step). Only with ``adaptive_count.to_period`` does
+    anything depend on wall times; those of the last updates are no state, and a
+    cloned context starts without them.
 
     Args:
         config: checked here.
@@ -122,7 +116,6 @@ class PhysicsBasedParticleFilter(LeafSystem):
         self._config = config
         self._update = update
         self._object_names = tuple(object_names)
-        self._initial = MakeInitialState(config.num_particles, nominal_poses)
         self._on_update = on_update
 
         self._positions_port = self.DeclareVectorInputPort(
@@ -134,7 +127,19 @@ class PhysicsBasedParticleFilter(LeafSystem):
         self._measurement_port = self.DeclareAbstractInputPort(
             "dope_measurement", Value(DopeMeasurement())
         )
-        self._DeclareStates(num_joints)
+        rows = config.control_samples + 1
+        num_objects = len(object_names)
+        self._arrays = DiscreteArrays(
+            self.DeclareDiscreteState,
+            {
+                **vars(MakeInitialState(config.num_particles, nominal_poses)),
+                _SAMPLES: joint_samples.make_empty_rows(rows, num_joints),
+                _DETECTIONS: recent_detections.make_empty_rows(
+                    num_objects, rows
+                ),
+                _UPDATE_TIME: np.array([-1.0]),
+            },
+        )
         # Contexts and processes of the models: no information is in them.
         self._scratch_index = self.DeclareCacheEntry(
             "scratch",
@@ -147,26 +152,11 @@ class PhysicsBasedParticleFilter(LeafSystem):
         self._DeclareOutputs()
         self._DeclareEvents()
 
-    def _DeclareStates(self, num_joints: int) -> None:
-        self._state_index = {
-            field.name: self.DeclareDiscreteState(
-                np.ravel(getattr(self._initial, field.name))
-            )
-            for field in fields(FilterState)
-        }
-        num_samples = self._config.control_samples + 1
-        samples = make_empty_samples(num_samples, num_joints)
-        self._samples_shape = samples.shape
-        self._samples_index = self.DeclareDiscreteState(samples.ravel())
-        detections = make_empty_detections(len(self._object_names), num_samples)
-        self._detections_shape = detections.shape
-        self._detections_index = self.DeclareDiscreteState(detections.ravel())
-        self._update_time_index = self.DeclareDiscreteState([-1.0])
-
     def _DeclareOutputs(self) -> None:
+        index = self._arrays.index
         num_objects = len(self._object_names)
         poses, weights, estimates, num_estimates = (
-            self.discrete_state_ticket(self._state_index[name])
+            self.discrete_state_ticket(index(name))
             for name in ("poses", "weights", "estimates", "num_estimates")
         )
         self.DeclareAbstractOutputPort(
@@ -175,17 +165,15 @@ class PhysicsBasedParticleFilter(LeafSystem):
             calc=self._CalcEstimatedPoses,
             prerequisites_of_calc={estimates},
         )
-        self.DeclareStateOutputPort("particles", self._state_index["poses"])
-        self.DeclareStateOutputPort("weights", self._state_index["weights"])
+        self.DeclareStateOutputPort("particles", index("poses"))
+        self.DeclareStateOutputPort("weights", index("weights"))
         self.DeclareVectorOutputPort(
             "effective_sample_size",
             1,
             calc=self._CalcEffectiveSampleSize,
             prerequisites_of_calc={weights},
         )
-        self.DeclareStateOutputPort(
-            "particles_used", self._state_index["num_used"]
-        )
+        self.DeclareStateOutputPort("particles_used", index("num_used"))
         self.DeclareVectorOutputPort(
             "covariances",
             num_objects * 36,
@@ -198,8 +186,8 @@ class PhysicsBasedParticleFilter(LeafSystem):
             calc=self._CalcTracked,
             prerequisites_of_calc={num_estimates},
         )
-        self.DeclareStateOutputPort("detected", self._state_index["detected"])
-        self.DeclareStateOutputPort("update_time", self._update_time_index)
+        self.DeclareStateOutputPort("detected", index("detected"))
+        self.DeclareStateOutputPort("update_time", index(_UPDATE_TIME))
 
     def _DeclareEvents(self) -> None:
         period, samples = self._config.period, self._config.control_samples
@@ -220,102 +208,72 @@ class PhysicsBasedParticleFilter(LeafSystem):
 
         Where a simulation goes on from a context that has samples, they stay.
         """
-        samples = self._StoredSamples(context)
+        samples = self._Read(context, _SAMPLES)
         if np.isfinite(samples[-1, 0]) and samples[-1, 0] <= context.get_time():
             return
         sample = self._ReadJoints(context, samples[-1])
-        values.get_mutable_value(self._samples_index)[:] = np.tile(
-            sample, self._samples_shape[0]
-        )
-        values.get_mutable_value(self._update_time_index)[:] = -1.0
+        self._arrays.Write(values, _SAMPLES, np.tile(sample, len(samples)))
+        self._arrays.Write(values, _UPDATE_TIME, np.array([-1.0]))
 
     def _Sample(self, context: Context, values: DiscreteValues) -> None:
-        self._TakeSamples(context, values)
-
-    def _TakeSamples(
-        self, context: Context, values: DiscreteValues
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Keeps joints and detections until the next update; returns both."""
-        samples = self._StoredSamples(context)
-        samples = append_sample(samples, self._ReadJoints(context, samples[-1]))
+        """Keeps joints and detections until the next update."""
+        samples = self._Read(context, _SAMPLES)
+        now = self._ReadJoints(context, samples[-1])
+        samples = joint_samples.append_row(samples, now)
+        self._arrays.Write(values, _SAMPLES, samples)
         detections = self._ReadDetections(context)
-        values.get_mutable_value(self._samples_index)[:] = samples.ravel()
-        values.get_mutable_value(self._detections_index)[:] = detections.ravel()
-        return samples, detections
+        self._arrays.Write(values, _DETECTIONS, detections)
 
     def _Update(self, context: Context, values: DiscreteValues) -> None:
         start = wall_clock.perf_counter()
-        samples, detections = self._TakeSamples(context, values)
+        self._Sample(context, values)
+        samples = self._arrays.Read(values, _SAMPLES)
+        detections = self._arrays.Read(values, _DETECTIONS)
+        (last_time,) = self._Read(context, _UPDATE_TIME)
+        bend = self._velocities_port.HasValue(context)
         state = self._State(context)
-        scratch: FilterScratch = self.get_cache_entry(self._scratch_index).Eval(
-            context
-        )
+        scratch = self.get_cache_entry(self._scratch_index).Eval(context)
+        to_period = self._config.adaptive_count.to_period
         state = self._update.Update(
             state,
-            path=path_since(
-                samples,
-                context.get_discrete_state(self._update_time_index).value()[0],
-                bend=self._velocities_port.HasValue(context),
+            path=joint_samples.path_since(samples, last_time, bend=bend),
+            detections=recent_detections.unused_detections(
+                detections, state.detection_times
             ),
-            detections=unused_detections(detections, state.detection_times),
             scratch=scratch.ForUpdate(),
-            most=scratch.pace.MaxParticles()
-            if self._config.adaptive_count.to_period
-            else None,
+            most=scratch.pace.MaxParticles() if to_period else None,
         )
-        for name, index in self._state_index.items():
-            values.get_mutable_value(index)[:] = np.ravel(getattr(state, name))
-        values.get_mutable_value(self._update_time_index)[:] = (
-            context.get_time()
-        )
+        for name, array in vars(state).items():
+            self._arrays.Write(values, name, array)
+        self._arrays.Write(values, _UPDATE_TIME, np.array([context.get_time()]))
         seconds = wall_clock.perf_counter() - start
         scratch.pace.AddUpdate(seconds, int(state.num_used[0]))
         if self._on_update:
             self._on_update(seconds)
 
     def _State(self, context: Context) -> FilterState:
-        return FilterState(
-            **{
-                name: context.get_discrete_state(index)
-                .value()
-                .reshape(np.shape(getattr(self._initial, name)))
-                for name, index in self._state_index.items()
-            }
-        )
+        names = [field.name for field in fields(FilterState)]
+        return FilterState(**{n: self._Read(context, n) for n in names})
 
-    def _StoredSamples(self, context: Context) -> np.ndarray:
-        return (
-            context.get_discrete_state(self._samples_index)
-            .value()
-            .reshape(self._samples_shape)
-        )
+    def _Read(self, context: Context, name: str) -> np.ndarray:
+        return self._arrays.Read(context.get_discrete_state(), name)
 
     def _ReadJoints(self, context: Context, last: np.ndarray) -> np.ndarray:
         """Returns the sample of now."""
-        velocities = None
+        positions, velocities = self._positions_port.Eval(context), None
         if self._velocities_port.HasValue(context):
             velocities = self._velocities_port.Eval(context)
-        positions = self._positions_port.Eval(context)
-        return make_sample(context.get_time(), positions, velocities, last)
+        time = context.get_time()
+        return joint_samples.make_row(time, positions, velocities, last)
 
     def _ReadDetections(self, context: Context) -> np.ndarray:
         """Returns the stored detections with those of now."""
-        stored = (
-            context.get_discrete_state(self._detections_index)
-            .value()
-            .reshape(self._detections_shape)
-        )
+        stored = self._Read(context, _DETECTIONS)
         if not self._measurement_port.HasValue(context):
             return stored
-        measurement = self._measurement_port.Eval(context)
-        if not isinstance(measurement, DopeMeasurement):
-            raise TypeError(
-                "The port dope_measurement holds a "
-                f"{type(measurement).__name__}; expected a DopeMeasurement"
-            )
-        return add_detections(
+        return recent_detections.add_measurement(
             stored,
-            measurement,
+            EvalDopeMeasurement(self, context),
             object_names=self._object_names,
             now=context.get_time(),
             max_age=self._config.max_detection_age,
@@ -324,8 +282,8 @@ class PhysicsBasedParticleFilter(LeafSystem):
     def _CalcEstimatedPoses(
         self, context: Context, output: AbstractValue
     ) -> None:
-        estimates = self._State(context).estimates[0]
-        output.set_value([rigid_transform(pose) for pose in estimates])
+        poses = self._State(context).estimates[0]
+        output.set_value([rigid_transform(pose) for pose in poses])
 
     def _CalcEffectiveSampleSize(
         self, context: Context, output: BasicVector
@@ -334,10 +292,8 @@ class PhysicsBasedParticleFilter(LeafSystem):
         output.SetFromVector([effective_sample_size(weights)])
 
     def _CalcCovariances(self, context: Context, output: BasicVector) -> None:
-        covariances = belief_covariances(
-            self._State(context), self._config.initial_noise
-        )
-        output.SetFromVector(covariances.ravel())
+        state, noise = self._State(context), self._config.initial_noise
+        output.SetFromVector(belief_covariances(state, noise).ravel())
 
     def _CalcTracked(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(1.0 * (self._State(context).num_estimates > 0))

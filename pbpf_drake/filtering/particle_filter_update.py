@@ -8,7 +8,7 @@ particles; see AdaptiveCountConfig.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Generic, TypeVar
+from typing import Generic
 
 import numpy as np
 
@@ -40,6 +40,7 @@ from pbpf_drake.motion.motion_model import (
     MotionInput,
     MotionModel,
     MotionResult,
+    MotionScratch,
 )
 from pbpf_drake.poses.pose_statistics import mean_pose
 from pbpf_drake.process_crew import Crew
@@ -48,8 +49,6 @@ from pbpf_drake.visibility.visibility_model import (
     VisibilityModel,
     visibility_log_factor,
 )
-
-MotionScratch = TypeVar("MotionScratch")
 
 
 @dataclass

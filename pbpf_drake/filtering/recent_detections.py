@@ -19,12 +19,12 @@ _SAME_TIME = 1e-6
 _FARTHEST = 1e3
 
 
-def make_empty_detections(num_objects: int, count: int) -> np.ndarray:
+def make_empty_rows(num_objects: int, count: int) -> np.ndarray:
     """Returns so many rows per object that aren't filled yet, (K, S, 8)."""
     return np.full((num_objects, count, 8), -np.inf)
 
 
-def add_detections(
+def add_measurement(
     rows: np.ndarray,
     measurement: DopeMeasurement,
     *,

@@ -8,7 +8,11 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from pbpf_drake.dope_measurement import Detection, DopeMeasurement
+from pbpf_drake.dope_measurement import (
+    Detection,
+    DopeMeasurement,
+    EvalDopeMeasurement,
+)
 from pbpf_drake.poses.pose_conversion import pose_array, rigid_transform
 
 
@@ -73,7 +77,7 @@ class SingleSnapshotEstimator(LeafSystem):
             )
         self._names = tuple(object_names)
         self._on_update = on_update
-        self._measurement = self.DeclareAbstractInputPort(
+        self.DeclareAbstractInputPort(
             "dope_measurement", Value(DopeMeasurement())
         )
         # Quaternion w, x, y, z, then position, object after object.
@@ -103,12 +107,7 @@ class SingleSnapshotEstimator(LeafSystem):
 
     def _Update(self, context: Context, state: DiscreteValues) -> None:
         start = wall_clock.perf_counter()
-        measurement = self._measurement.Eval(context)
-        if not isinstance(measurement, DopeMeasurement):
-            raise TypeError(
-                f"{self.get_name()}: dope_measurement is a "
-                f"{type(measurement).__name__}; expected a DopeMeasurement"
-            )
+        measurement = EvalDopeMeasurement(self, context)
         poses = state.get_mutable_value(self._poses).reshape(-1, 7)
         stamps = state.get_mutable_value(self._stamps)
         detected = state.get_mutable_value(self._detected)

@@ -12,8 +12,8 @@ import numpy as np
 from pbpf_drake.motion.control_path import ControlPath
 from pbpf_drake.poses import quaternions
 
-# What an implementation works in.
-Scratch = TypeVar("Scratch")
+# What a motion model works in; nobody else looks into it.
+MotionScratch = TypeVar("MotionScratch")
 
 
 @dataclass(frozen=True)
@@ -61,16 +61,16 @@ class MotionResult:
     failed: np.ndarray
 
 
-class MotionModel(Protocol[Scratch]):
+class MotionModel(Protocol[MotionScratch]):
     """Predicts where objects go. Implementations keep no memory."""
 
-    def MakeScratch(self) -> Scratch:
+    def MakeScratch(self) -> MotionScratch:
         """Returns work space that the other two may write to.
 
         Nothing in it may influence a result.
         """
 
-    def Propagate(self, motion: MotionInput, scratch: Scratch) -> MotionResult:
+    def Propagate(self, motion: MotionInput, scratch: MotionScratch) -> MotionResult:
         """Returns f(x_{t-1}, u_t), without the noise ε."""
 
     def ResolvePenetration(
@@ -79,7 +79,7 @@ class MotionModel(Protocol[Scratch]):
         supports: np.ndarray,
         robot_positions: np.ndarray,
         known: np.ndarray,
-        scratch: Scratch,
+        scratch: MotionScratch,
     ) -> np.ndarray:
         """Returns poses (M, K, 7), moved as little as physics asks for.
 

@@ -15,7 +15,7 @@ from pydrake.systems.framework import (
 )
 
 from pbpf_drake.config.scene_config import Scene
-from pbpf_drake.dope_measurement import DopeMeasurement
+from pbpf_drake.dope_measurement import DopeMeasurement, EvalDopeMeasurement
 from pbpf_drake.poses.pose_conversion import rigid_transform
 from pbpf_drake.views.scene_meshcat import SceneMeshcat
 from pbpf_drake.views.visual_geometry import (
@@ -156,7 +156,7 @@ class ParticleVisualizer(LeafSystem):
             particles = self._particles.Eval(context).reshape(self._shape)
             self._PlaceParticles(particles, time)
         if self._dope_measurement.HasValue(context):
-            self._PlaceDetections(self._dope_measurement.Eval(context), time)
+            self._PlaceDetections(EvalDopeMeasurement(self, context), time)
 
     def _PlaceAll(
         self,
@@ -181,11 +181,6 @@ class ParticleVisualizer(LeafSystem):
     def _PlaceDetections(
         self, measurement: DopeMeasurement, time: float
     ) -> None:
-        if not isinstance(measurement, DopeMeasurement):
-            raise TypeError(
-                f"{self.get_name()}: dope_measurement is a "
-                f"{type(measurement).__name__}; expected a DopeMeasurement"
-            )
         for name in self._names:
             detection = measurement.detections.get(name)
             if detection is None:

@@ -2,21 +2,21 @@ import numpy as np
 import pytest
 
 from pbpf_drake.filtering.joint_samples import (
-    append_sample,
-    make_empty_samples,
-    make_sample,
+    append_row,
+    make_empty_rows,
+    make_row,
     path_since,
 )
 
 
 def _samples(*times: float, count: int = 4) -> np.ndarray:
     """Samples of two joints: one is at its time, the other at its square."""
-    samples = make_empty_samples(count, 2)
+    samples = make_empty_rows(count, 2)
     for t in times:
-        row = make_sample(
+        row = make_row(
             t, np.array([t, t * t]), np.array([1, 2 * t]), samples[-1]
         )
-        samples = append_sample(samples, row)
+        samples = append_row(samples, row)
     return samples
 
 
@@ -33,17 +33,17 @@ def test_the_oldest_row_makes_room_for_a_new_one():
 
 def test_a_sample_of_the_same_time_takes_the_place_of_the_last():
     samples = _samples(0.0, 0.1)
-    again = make_sample(0.1, np.array([7.0, 8.0]), None, samples[-1])
-    samples = append_sample(samples, again)
+    again = make_row(0.1, np.array([7.0, 8.0]), None, samples[-1])
+    samples = append_row(samples, again)
     np.testing.assert_allclose(samples[-2:, 0], [0.0, 0.1])
     np.testing.assert_allclose(samples[-1, 1:], [7, 8, 0, 0])
 
 
 def test_what_is_not_finite_is_held():
-    last = make_sample(
+    last = make_row(
         0.0, np.array([1.0, 2.0]), np.array([3.0, 4.0]), np.zeros(5)
     )
-    sample = make_sample(
+    sample = make_row(
         0.1, np.array([np.nan, 5.0]), np.array([6.0, np.inf]), last
     )
     np.testing.assert_allclose(sample, [0.1, 1.0, 5.0, 6.0, 4.0])

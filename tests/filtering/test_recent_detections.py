@@ -4,8 +4,8 @@ import pytest
 
 from pbpf_drake.dope_measurement import Detection, DopeMeasurement
 from pbpf_drake.filtering.recent_detections import (
-    add_detections,
-    make_empty_detections,
+    add_measurement,
+    make_empty_rows,
     unused_detections,
 )
 
@@ -18,7 +18,7 @@ def _add(rows: np.ndarray, now: float, **stamps: float) -> np.ndarray:
     measurement = DopeMeasurement(
         {k: Detection(RigidTransform([t, 0, 0]), t) for k, t in stamps.items()}
     )
-    return add_detections(
+    return add_measurement(
         rows, measurement, object_names=NAMES, now=now, max_age=0.25
     )
 
@@ -28,7 +28,7 @@ def _stamps(rows: np.ndarray, k: int) -> list[float]:
 
 
 def test_detections_are_kept_per_object_in_the_order_of_their_stamps():
-    rows = make_empty_detections(2, 3)
+    rows = make_empty_rows(2, 3)
     for now, stamps in (
         (0.1, {"can": 0.05}),
         (0.2, {"can": 0.05, "box": 0.15}),
@@ -42,7 +42,7 @@ def test_detections_are_kept_per_object_in_the_order_of_their_stamps():
 
 
 def test_what_an_update_has_used_is_not_new():
-    rows = _add(make_empty_detections(2, 3), 0.1, box=0.05, can=0.1)
+    rows = _add(make_empty_rows(2, 3), 0.1, box=0.05, can=0.1)
     rows = _add(rows, 0.2, box=0.15, can=0.1)
     unused = unused_detections(rows, np.array([0.05, 0.1]))
     assert {k: [s.time for s in seen] for k, seen in unused.items()} == {
@@ -51,7 +51,7 @@ def test_what_an_update_has_used_is_not_new():
 
 
 def test_of_too_many_the_latest_are_kept():
-    rows = make_empty_detections(2, 3)
+    rows = make_empty_rows(2, 3)
     for i in range(1, 6):
         rows = _add(rows, 0.1 * i, box=0.1 * i)
     np.testing.assert_allclose(_stamps(rows, 0), [0.3, 0.4, 0.5])
@@ -70,11 +70,11 @@ def test_of_too_many_the_latest_are_kept():
     ],
 )
 def test_only_what_can_be_used_is_kept(now, stamp, used):
-    rows = _add(make_empty_detections(2, 3), now, box=stamp)
+    rows = _add(make_empty_rows(2, 3), now, box=stamp)
     assert _stamps(rows, 0) == ([stamp] if used else [])
 
 
 def test_the_rows_that_are_given_stay_as_they_are():
-    rows = make_empty_detections(2, 3)
+    rows = make_empty_rows(2, 3)
     _add(rows, 0.1, box=0.1)
-    np.testing.assert_array_equal(rows, make_empty_detections(2, 3))
+    np.testing.assert_array_equal(rows, make_empty_rows(2, 3))
