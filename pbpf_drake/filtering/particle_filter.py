@@ -34,7 +34,6 @@ _DETECTIONS = "recent_detections"
 _UPDATE_TIME = "update_time"
 
 
-
 class PhysicsBasedParticleFilter(LeafSystem):
     """Tracks the poses of K objects with M particles (Section 4).
 

@@ -70,7 +70,9 @@ class MotionModel(Protocol[MotionScratch]):
         Nothing in it may influence a result.
         """
 
-    def Propagate(self, motion: MotionInput, scratch: MotionScratch) -> MotionResult:
+    def Propagate(
+        self, motion: MotionInput, scratch: MotionScratch
+    ) -> MotionResult:
         """Returns f(x_{t-1}, u_t), without the noise ε."""
 
     def ResolvePenetration(
