@@ -8,8 +8,8 @@ import pytest
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.log.log_reader import ReadLog
 
-# 2,000 copies in all.
-NUM_SEEDS = 400
+# Damaged copies of each container; the slow tests have 2,000 in all.
+FEW, MANY = 40, 400
 
 
 def _sqlite(path, entries):
@@ -27,14 +27,22 @@ WRITERS = {
 PROTECTED = {"mcap", "bag-bz2", "bag-lz4"}
 
 
-@pytest.fixture(scope="module", params=WRITERS)
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param((name, count), id=f"{name}-{count}", marks=marks)
+        for count, marks in ((FEW, ()), (MANY, pytest.mark.slow))
+        for name in WRITERS
+    ],
+)
 def damaged(request, tmp_path_factory):
     """The container's name, and seed, kind of damage and log or None."""
+    name, count = request.param
     path = tmp_path_factory.mktemp("damage") / "whole"
-    whole = WRITERS[request.param](path, our_entries(expected_log()))
+    whole = WRITERS[name](path, our_entries(expected_log()))
     content, copy = whole.read_bytes(), path.with_name("damaged")
     logs = []
-    for seed in range(NUM_SEEDS):
+    for seed in range(count):
         copy.write_bytes(damage(content, seed))
         try:
             log = ReadLog(
@@ -46,7 +54,7 @@ def damaged(request, tmp_path_factory):
             assert "\n" not in str(error) and str(copy) in str(error)
             log = None
         logs.append((seed, ("cut", "one byte", "some bytes")[seed % 3], log))
-    return request.param, logs
+    return name, logs
 
 
 def test_what_is_missing_is_said(damaged):

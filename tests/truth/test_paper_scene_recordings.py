@@ -15,6 +15,9 @@ from pbpf_drake.log.log_records import PoseRecord
 from pbpf_drake.poses.pose_conversion import rigid_transform
 from pbpf_drake.truth.truth_simulation import Recording, RecordRun
 
+# Each is a whole recording of half a minute.
+pytestmark = pytest.mark.slow
+
 
 def _record(name: str) -> Recording:
     return RecordRun(scene=LoadScene(SCENES / f"{name}.yaml"))
