@@ -1,4 +1,4 @@
-"""What the README says, against the code."""
+"""What the READMEs say, against the code."""
 
 from importlib import import_module
 import inspect
@@ -6,9 +6,9 @@ import pkgutil
 import re
 
 import numpy as np
-from paths import ROOT
 from pydrake.multibody.plant import MultibodyPlant
 import pytest
+from readmes import blocks, rows
 
 import pbpf_drake
 from pbpf_drake import (
@@ -21,25 +21,17 @@ from pbpf_drake import (
 from pbpf_drake.diagrams import reproduce_tables, track_log
 from pbpf_drake.log.pose_interpolation import interpolate_poses
 
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
-
-
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", TEXT, re.DOTALL)
-
-
-def rows(title: str) -> list[list[str]]:
-    """The cells of the table whose first title is this, without its head."""
-    table = re.search(rf"^\| {title} \|.*\n\|[-|]+\n((?:\|.*\n)+)", TEXT, re.M)
-    assert table, title
-    lines = table.group(1).splitlines()
-    return [[c.strip() for c in line[1:-1].split("|")] for line in lines]
-
 
 def run(code: str) -> dict:
     namespace = {"__name__": "__main__"}
     exec(compile(code, "README.md", "exec"), namespace)
     return namespace
+
+
+def test_every_block_of_python_is_run_below():
+    names = "DiagramBuilder()", "LiveFilter", "WriteLog"
+    for block in blocks("python"):
+        assert sum(name in block for name in names) == 1
 
 
 def test_filter_in_a_diagram_of_ones_own_finds_the_object(capsys):
@@ -158,14 +150,3 @@ def test_code_that_is_named_beside_the_paper_exists():
         assert names, row
         for module, name in names:
             assert hasattr(import_module(modules[module]), name), name
-
-
-def test_files_that_are_named_exist_and_pictures_are_small():
-    links = re.findall(r"\]\(([^)#]+)\)", TEXT)
-    links = [link for link in links if not link.startswith("http")]
-    named = re.findall(r"`((?:diagrams|pbpf_drake|tests|\.ci)/[\w./]+)`", TEXT)
-    assert links and named
-    for path in links + named:
-        assert (ROOT / path).exists(), path
-        if path.endswith(".png"):
-            assert (ROOT / path).stat().st_size < 300_000, path
