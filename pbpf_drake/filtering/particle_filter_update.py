@@ -37,10 +37,8 @@ from pbpf_drake.motion.motion_model import (
 )
 from pbpf_drake.poses.pose_statistics import mean_pose
 from pbpf_drake.random_streams import MakeGenerator, Stream
-from pbpf_drake.visibility.visibility_model import (
-    VisibilityModel,
-    visibility_log_factor,
-)
+from pbpf_drake.visibility.visibility_model import VisibilityModel
+from pbpf_drake.visibility.visibility_weights import visibility_log_factor
 
 # First particles are chosen from this many times as many: of 70 that are
 # spread over 0.16 m and 0.43 rad, about one would be where the object is.

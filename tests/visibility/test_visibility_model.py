@@ -1,13 +1,8 @@
 import numpy as np
 import pytest
 
-from pbpf_drake.config.particle_filter_config import VisibilityConfig
-from pbpf_drake.config.scene_config import CameraConfig, LoadScene
-from pbpf_drake.visibility.visibility_model import (
-    VisibilityModel,
-    in_image,
-    visibility_log_factor,
-)
+from pbpf_drake.config.scene_config import LoadScene
+from pbpf_drake.visibility.visibility_model import VisibilityModel
 
 BOX = "<box><size>0.1 0.2 0.3</size></box>"
 SMALL = "<box><size>0.04 0.04 0.04</size></box>"
@@ -136,15 +131,6 @@ def test_what_the_image_does_not_contain_is_not_visible(
     assert v.item() == pytest.approx(expected, abs=0.005)
 
 
-def test_in_image_ends_half_a_pixel_beyond_the_outer_pixels_centres():
-    camera = CameraConfig(width=4, height=2, fx=1, fy=1, cx=0, cy=0)
-    inside = [[-0.49, -0.49, 1], [3.49, 1.49, 1], [6.9, 2.9, 2]]
-    outside = [[-0.51, 0, 1], [0, -0.51, 1], [3.51, 0, 1], [0, 1.51, 1]]
-    assert np.all(in_image(np.array(inside), camera))
-    assert not np.any(in_image(np.array(outside), camera))
-    assert not np.any(in_image(np.array([[0, 0, -1.0], [0, 0, 0]]), camera))
-
-
 def test_a_box_on_a_table_that_it_touches_is_all_visible(tmp_path):
     # y points down in the image; the camera looks down at the table.
     table = "<box><size>2 0.1 2</size></box>", (0, 0.55, 1)
@@ -241,21 +227,3 @@ def test_a_camera_inside_a_fixed_model_is_refused(tmp_path):
     )
     with pytest.raises(ValueError, match="camera.X_WC is inside .*fixed_1"):
         VisibilityModel(scene=scene, num_rays=1)
-
-
-def test_without_a_detection_hidden_particles_get_the_high_weight():
-    config = VisibilityConfig(
-        high_weight=0.75, low_weight=0.25, high_visibility=0.95
-    )
-    factor = visibility_log_factor(
-        np.array([0, 0.94, 0.95, 1]), detected=False, config=config
-    )
-    np.testing.assert_allclose(np.exp(factor), [0.75, 0.75, 0.25, 0.25])
-
-
-def test_with_a_detection_hidden_particles_are_penalised():
-    config = VisibilityConfig(low_visibility=0.5, penalty=0.33)
-    factor = visibility_log_factor(
-        np.array([0, 0.49, 0.5, 1]), detected=True, config=config
-    )
-    np.testing.assert_allclose(np.exp(factor), [0.33, 0.33, 1, 1])
