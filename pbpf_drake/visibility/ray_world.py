@@ -18,7 +18,7 @@ from pbpf_drake.scene.pinhole import in_camera, in_image
 from pbpf_drake.scene.scene_models import AddSceneModels
 from pbpf_drake.shapes.surface_sampling import BodySurface
 from pbpf_drake.visibility.ray_casting import CastRays, OccluderSet, RayBody
-from pbpf_drake.visibility.ray_culling import coordinates, near_cones
+from pbpf_drake.visibility.ray_culling import coordinates, may_hit_balls
 
 
 class RayWorld:
@@ -129,7 +129,7 @@ class RayWorld:
             return np.zeros((1, len(particles), 1), dtype=bool)
         radii = np.array([self._bodies[k].bounding_radius for k in tracked])
         p_WO = np.swapaxes(particles[..., 4:7], 0, 1)
-        near = near_cones(
+        near = may_hit_balls(
             coordinates((p_WT - self._origin).reshape(-1, *p_WT.shape[2:])),
             np.repeat(p_WO - self._origin, num_tracked, axis=1),
             radii[:, None],
