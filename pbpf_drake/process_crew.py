@@ -1,11 +1,11 @@
 """Processes that share the work on the particles of an update.
 
-Threads of Python take turns, but for what Drake does while it has let go of
-the interpreter; processes don't. They are copies of this one, so that nothing
-needs to be set up in them, and only arrays travel.
+Threads would hardly help: only one of them at a time can run Python. Processes
+run at the same time. They are forked from this one, so they have all that it
+has already, and only jobs and their results are sent between them.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 import contextlib
 import gc
 import logging
@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.context import ForkProcess
 import signal
 import sys
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 import warnings
 import weakref
 
@@ -23,85 +23,102 @@ import numpy as np
 # In bytes.
 _LARGEST_BLOCK = 31 * 2**20
 
-# What a process works on, in its order: the arguments of each call.
-Share = Sequence[Mapping[str, Any]]
+_Worker = TypeVar("_Worker")
+_Result = TypeVar("_Result")
+_WorkerOfJob = TypeVar("_WorkerOfJob", contravariant=True)
+_ResultOfJob = TypeVar("_ResultOfJob", covariant=True)
 
 
-class Crew:
-    """This process and copies of it, made when they are first needed.
+class Job(Protocol[_WorkerOfJob, _ResultOfJob]):
+    """Something to be done, with all that has to be known to do it.
 
-    A copy that has died is replaced at the next call, and what it had to do is
-    done here. There are copies on Linux only, and not in a daemonic process,
-    which can't have any; elsewhere this process does everything.
-
-    Args:
-        target: what works, e.g. an object with contexts of its own. A copy's
-            is another one from then on.
-        size: how many processes there are, with this one.
+    A job and its result may have to go to another process and back, so both
+    must be possible to pickle. Arrays travel fast.
     """
 
-    def __init__(self, target: Any, size: int) -> None:
+    def RunOn(self, worker: _WorkerOfJob) -> _ResultOfJob:
+        """Returns the result, which depends on nothing but the job."""
+
+
+class Crew(Generic[_Worker]):
+    """This process and copies of it, which are made when first needed.
+
+    A copy that has died is replaced at the next call, and its jobs are done
+    here. Copies are made on Linux only, and never by a daemonic process, which
+    isn't allowed to; elsewhere this process does everything.
+
+    Args:
+        worker: what jobs are run on, e.g. an object with contexts of its own.
+            Each copy of the process has a copy of it.
+        size: how many processes there are, including this one.
+    """
+
+    def __init__(self, worker: _Worker, size: int) -> None:
         _keep_freed_memory()
-        self._target = target
+        self._worker = worker
         self._size = size
         self._helpers: dict[int, _Helper] = {}
 
     @property
+    def worker(self) -> _Worker:
+        """What this process runs its own jobs on."""
+        return self._worker
+
+    @property
     def size(self) -> int:
-        """How many processes there are, with this one."""
+        """How many processes there are, including this one."""
         return self._size
 
     def Run(
-        self, function: Callable[..., Any], shares: Sequence[Share]
-    ) -> list[list[Any]]:
-        """Returns function(target, **arguments) for everything in the shares.
+        self, shares: Sequence[Sequence[Job[_Worker, _Result]]]
+    ) -> list[list[_Result]]:
+        """Returns the results of all jobs, share by share.
 
         Args:
-            function: found by its name in each process, such as a method.
-            shares: one for each process, the first for this one.
+            shares: the jobs of each process in their order, this one's first.
 
         Raises:
-            Exception: what the function raises, in whichever process.
+            Exception: what a job raises, in whichever process.
         """
-        asked = set()
-        for i, share in enumerate(shares):
-            if i > 0 and share and self._Ask(i, function, share):
-                asked.add(i)
-        answers: list[list[Any] | Exception | None] = [None] * len(shares)
+        sent = []
+        for i, jobs in enumerate(shares):
+            if i > 0 and jobs and self._Send(i, jobs):
+                sent.append(i)
+        answers: list[list[_Result] | Exception | None] = [None] * len(shares)
         try:
-            for i, share in enumerate(shares):
-                if i not in asked:
-                    answers[i] = _work(self._target, function, share)
+            for i, jobs in enumerate(shares):
+                if i not in sent:
+                    answers[i] = _run(self._worker, jobs)
         finally:
-            for i in asked:
-                answers[i] = self._Answer(i)
+            for i in sent:
+                answers[i] = self._Receive(i)
         return [
-            self._Complete(answer, function, share)
-            for answer, share in zip(answers, shares, strict=True)
+            self._Complete(answer, jobs)
+            for answer, jobs in zip(answers, shares, strict=True)
         ]
 
-    def _Ask(self, i: int, function: Callable[..., Any], share: Share) -> bool:
-        """Returns whether a copy works on it now."""
+    def _Send(self, i: int, jobs: Sequence[Job[_Worker, Any]]) -> bool:
+        """Returns whether process i works on the jobs now."""
         if not _can_copy():
             return False
         if i not in self._helpers:
-            self._helpers[i] = _Helper(self._target)
+            self._helpers[i] = _Helper(self._worker)
         try:
-            self._helpers[i].Ask(function, share)
+            self._helpers[i].Send(jobs)
         except OSError:
-            self._Lose(i)
+            self._ReportDeath(i)
             return False
         return True
 
-    def _Answer(self, i: int) -> list[Any] | Exception | None:
-        """Returns results, or what was raised, or None if nobody answers."""
+    def _Receive(self, i: int) -> list[Any] | Exception | None:
+        """Returns results, or what was raised, or None if process i died."""
         try:
-            return self._helpers[i].Answer()
+            return self._helpers[i].Receive()
         except (EOFError, OSError):
-            self._Lose(i)
+            self._ReportDeath(i)
             return None
 
-    def _Lose(self, i: int) -> None:
+    def _ReportDeath(self, i: int) -> None:
         del self._helpers[i]
         logging.getLogger(__name__).warning(
             "A process that shared the work on the particles has died; what "
@@ -110,65 +127,68 @@ class Crew:
 
     def _Complete(
         self,
-        answer: list[Any] | Exception | None,
-        function: Callable[..., Any],
-        share: Share,
-    ) -> list[Any]:
+        answer: list[_Result] | Exception | None,
+        jobs: Sequence[Job[_Worker, _Result]],
+    ) -> list[_Result]:
+        """Returns the results of a share, whatever came of it elsewhere."""
         if isinstance(answer, Exception):
             raise answer
         if answer is None:
-            return _work(self._target, function, share)
+            return _run(self._worker, jobs)
         return answer
 
 
 class _Helper:
     """A copy of this process, and the line to it."""
 
-    def __init__(self, target: Any) -> None:
+    def __init__(self, worker: object) -> None:
         context = multiprocessing.get_context("fork")
         self._line, line = context.Pipe()
-        self._num_asked = 0
+        self._num_sent = 0
         process = context.Process(
-            target=_serve, args=(target, line, self._line), daemon=True
+            target=_serve, args=(worker, line, self._line), daemon=True
         )
         with warnings.catch_warnings():
-            # Python warns of locks that other threads hold, for nobody to
-            # release in the copy. It runs nothing but numpy and the physics.
+            # Python warns that a lock which another thread holds now is never
+            # released in the copy. The copy runs numpy and the physics only,
+            # which take no such lock.
             warnings.simplefilter("ignore", DeprecationWarning)
             process.start()
         line.close()
         weakref.finalize(self, _dismiss, self._line, process)
 
-    def Ask(self, function: Callable[..., Any], share: Share) -> None:
-        """Sends what to work on.
+    def Send(self, jobs: Sequence[Job[Any, Any]]) -> None:
+        """Sends jobs to work on.
 
         Raises:
-            OSError: there is nobody at the other end.
+            OSError: the copy has died.
         """
-        self._num_asked += 1
-        self._line.send((self._num_asked, function, share))
+        self._num_sent += 1
+        self._line.send((self._num_sent, jobs))
 
-    def Answer(self) -> list[Any] | Exception:
-        """Returns the answer to the last question.
+    def Receive(self) -> list[Any] | Exception:
+        """Returns the answer to what was sent last.
 
-        One that nobody waited for, because of an interrupt, is passed over.
+        After an interrupt there may be an older answer that nobody has
+        fetched. It is thrown away.
 
         Raises:
-            EOFError, OSError: there is nobody at the other end any more.
+            EOFError, OSError: the copy has died.
         """
         while True:
             number, answer = self._line.recv()
-            if number == self._num_asked:
+            if number == self._num_sent:
                 return answer
 
 
 def _keep_freed_memory() -> None:
-    """Makes arrays of this process, and of its copies, be made of old memory.
+    """Lets large arrays of this process and its copies reuse freed memory.
 
     By default the C library returns the memory of large arrays to the system,
-    and getting it back takes longer than calculating with it. It keeps twice as
-    much as the largest block that was ever freed, if that is less than 32 MiB
-    and the environment has no other limit for it (MALLOC_TRIM_THRESHOLD_).
+    and getting it back takes longer than calculating with it. Once a block of
+    less than 32 MiB was freed, it keeps up to twice as much as that; so one is
+    made here and freed at once. A limit that the environment sets
+    (MALLOC_TRIM_THRESHOLD_) stays as it is.
     """
     np.empty(_LARGEST_BLOCK, dtype=np.uint8)
 
@@ -178,19 +198,21 @@ def _can_copy() -> bool:
     return sys.platform == "linux" and not daemonic
 
 
-def _work(target: Any, function: Callable[..., Any], share: Share) -> list[Any]:
-    return [function(target, **arguments) for arguments in share]
+def _run(
+    worker: _Worker, jobs: Sequence[Job[_Worker, _Result]]
+) -> list[_Result]:
+    return [job.RunOn(worker) for job in jobs]
 
 
-def _serve(target: Any, line: Connection, others_end: Connection) -> None:
-    """Works until there is nobody any more to work for."""
+def _serve(worker: object, line: Connection, others_end: Connection) -> None:
+    """Runs the jobs that arrive, until the process that sends them is gone."""
     gc.freeze()  # What was there before isn't this process' to clean up.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     others_end.close()
     with contextlib.suppress(EOFError, OSError):
-        for number, function, share in iter(line.recv, None):
+        for number, jobs in iter(line.recv, None):
             try:
-                answer: list[Any] | Exception = _work(target, function, share)
+                answer: list[Any] | Exception = _run(worker, jobs)
             except Exception as error:  # It is raised where it was asked for.
                 answer = error
             line.send((number, answer))

@@ -1,5 +1,6 @@
 """Crews of real processes, some of which die."""
 
+from dataclasses import dataclass
 from functools import partial
 import gc
 import logging
@@ -22,34 +23,55 @@ class Counter:
     def __init__(self) -> None:
         self.count = 0
 
-    def Add(self, x: int) -> tuple[int, int, int]:
-        self.count += 1
-        return os.getpid(), self.count, x
 
-    def Fail(self, x: int) -> float:
-        return 1 / x
+@dataclass(frozen=True)
+class Add:
+    x: int
 
-    def Die(self, only_in: int) -> int:
-        if os.getpid() != only_in:
+    def RunOn(self, counter: Counter) -> tuple[int, int, int]:
+        counter.count += 1
+        return os.getpid(), counter.count, self.x
+
+
+@dataclass(frozen=True)
+class Fail:
+    x: int
+
+    def RunOn(self, counter: Counter) -> float:
+        return 1 / self.x
+
+
+@dataclass(frozen=True)
+class Die:
+    only_in: int
+
+    def RunOn(self, counter: Counter) -> int:
+        if os.getpid() != self.only_in:
             os._exit(1)
-        return only_in
+        return self.only_in
 
-    def Return(self, x: int) -> object:
-        return (lambda: x) if x else 0  # A function can't be sent.
 
-    def Sleep(self, seconds: float) -> int:
-        time.sleep(seconds)
+@dataclass(frozen=True)
+class Return:
+    x: int
+
+    def RunOn(self, counter: Counter) -> object:
+        return (lambda: self.x) if self.x else 0  # A function can't be sent.
+
+
+@dataclass(frozen=True)
+class Sleep:
+    seconds: float
+
+    def RunOn(self, counter: Counter) -> int:
+        time.sleep(self.seconds)
         return os.getpid()
-
-
-def _arguments(*values: int) -> list[dict[str, int]]:
-    return [{"x": x} for x in values]
 
 
 def test_each_process_does_its_own_share_in_order():
     crew = Crew(Counter(), 3)
-    shares = [_arguments(1, 2), _arguments(3, 4, 5), _arguments(6)]
-    results = crew.Run(Counter.Add, shares)
+    shares = [[Add(1), Add(2)], [Add(3), Add(4), Add(5)], [Add(6)]]
+    results = crew.Run(shares)
     assert [[x for _, _, x in r] for r in results] == [[1, 2], [3, 4, 5], [6]]
     pids = [{pid for pid, _, _ in r} for r in results]
     assert all(len(p) == 1 for p in pids)
@@ -57,10 +79,10 @@ def test_each_process_does_its_own_share_in_order():
     assert len(set.union(*pids)) == 3
 
 
-def test_processes_are_kept_and_have_targets_of_their_own():
+def test_processes_are_kept_and_have_workers_of_their_own():
     crew = Crew(Counter(), 2)
-    first = crew.Run(Counter.Add, [_arguments(0), _arguments(0, 0)])
-    second = crew.Run(Counter.Add, [_arguments(0), _arguments(0)])
+    first = crew.Run([[Add(0)], [Add(0), Add(0)]])
+    second = crew.Run([[Add(0)], [Add(0)]])
     assert first[1][0][0] == second[1][0][0]
     assert [count for _, count, _ in first[0] + second[0]] == [1, 2]
     assert [count for _, count, _ in first[1] + second[1]] == [1, 2, 3]
@@ -69,16 +91,15 @@ def test_processes_are_kept_and_have_targets_of_their_own():
 def test_nobody_is_made_who_has_nothing_to_do():
     crew = Crew(Counter(), 4)
     before = multiprocessing.active_children()
-    assert crew.Run(Counter.Add, [_arguments(1), [], [], []])[1:] == [[]] * 3
+    assert crew.Run([[Add(1)], [], [], []])[1:] == [[]] * 3
     assert multiprocessing.active_children() == before
 
 
 def test_processes_work_at_the_same_time():
     crew = Crew(Counter(), 3)
-    share = [{"seconds": 0.3}]
-    crew.Run(Counter.Sleep, [[{"seconds": 0.0}]] * 3)
+    crew.Run([[Sleep(0.0)]] * 3)
     start = time.monotonic()
-    crew.Run(Counter.Sleep, [share] * 3)
+    crew.Run([[Sleep(0.3)]] * 3)
     assert time.monotonic() - start < 0.75
 
 
@@ -86,8 +107,8 @@ def test_processes_work_at_the_same_time():
 def test_what_goes_wrong_anywhere_is_raised_and_the_crew_goes_on(shares):
     crew = Crew(Counter(), 2)
     with pytest.raises(ZeroDivisionError):
-        crew.Run(Counter.Fail, [_arguments(*share) for share in shares])
-    assert crew.Run(Counter.Fail, [_arguments(1), _arguments(2)]) == [
+        crew.Run([[Fail(x) for x in share] for share in shares])
+    assert crew.Run([[Fail(1)], [Fail(2)]]) == [
         [1.0],
         [0.5],
     ]
@@ -96,62 +117,60 @@ def test_what_goes_wrong_anywhere_is_raised_and_the_crew_goes_on(shares):
 def test_the_share_of_one_that_dies_is_done_here_and_it_is_replaced(caplog):
     crew, here = Crew(Counter(), 3), os.getpid()
     with caplog.at_level(logging.WARNING):
-        results = crew.Run(Counter.Die, [[{"only_in": here}]] * 3)
+        results = crew.Run([[Die(here)]] * 3)
     assert results == [[here]] * 3
     assert len(caplog.records) == 2
-    again = crew.Run(Counter.Add, [_arguments(7)] * 3)
+    again = crew.Run([[Add(7)]] * 3)
     assert len({pid for ((pid, _, _),) in again}) == 3
 
 
 def test_one_that_was_killed_in_between_is_replaced():
     crew = Crew(Counter(), 2)
-    ((_, ((victim, _, _),))) = crew.Run(Counter.Add, [_arguments(1)] * 2)
+    ((_, ((victim, _, _),))) = crew.Run([[Add(1)]] * 2)
     os.kill(victim, signal.SIGKILL)
     time.sleep(0.2)
-    _, ((pid, _, x),) = crew.Run(Counter.Add, [_arguments(1), _arguments(5)])
+    _, ((pid, _, x),) = crew.Run([[Add(1)], [Add(5)]])
     assert (pid, x) == (os.getpid(), 5)
-    _, ((pid, _, _),) = crew.Run(Counter.Add, [_arguments(1)] * 2)
+    _, ((pid, _, _),) = crew.Run([[Add(1)]] * 2)
     assert pid not in (os.getpid(), victim)
 
 
 def test_an_answer_that_cannot_be_sent_is_made_here():
-    _, (answer,) = Crew(Counter(), 2).Run(
-        Counter.Return, [_arguments(0), _arguments(3)]
-    )
+    _, (answer,) = Crew(Counter(), 2).Run([[Return(0)], [Return(3)]])
     assert answer() == 3
 
 
 def test_an_interrupt_leaves_no_answer_behind():
     crew = Crew(Counter(), 2)
-    crew.Run(Counter.Add, [_arguments(1), _arguments(1)])
+    crew.Run([[Add(1)], [Add(1)]])
     helper = crew._helpers[1]
-    helper.Ask(Counter.Add, _arguments(41))  # Nobody waits for it.
-    _, ((_, _, x),) = crew.Run(Counter.Add, [_arguments(1), _arguments(42)])
+    helper.Send([Add(41)])  # Nobody waits for it.
+    _, ((_, _, x),) = crew.Run([[Add(1)], [Add(42)]])
     assert x == 42
 
 
 def test_processes_end_with_their_crew():
     crew, other = Crew(Counter(), 2), Crew(Counter(), 2)
     for each in crew, other:
-        each.Run(Counter.Add, [_arguments(1)] * 2)
+        each.Run([[Add(1)]] * 2)
     (process,) = [
         p
         for p in multiprocessing.active_children()
-        if p.pid == crew.Run(Counter.Add, [_arguments(1)] * 2)[1][0][0]
+        if p.pid == crew.Run([[Add(1)]] * 2)[1][0][0]
     ]
     del crew, each
     gc.collect()
     process.join(timeout=5.0)
     assert process.exitcode == 0
-    assert len(other.Run(Counter.Add, [_arguments(1)] * 2)) == 2
+    assert len(other.Run([[Add(1)]] * 2)) == 2
 
 
 _SCRIPT = """
 import time
-import crew_functions
+import crew_jobs
 from pbpf_drake.process_crew import Crew
 crew = Crew(None, 3)
-pids = crew.Run(crew_functions.pid, [[{}]] * 3)
+pids = crew.Run([[crew_jobs.Pid()]] * 3)
 print(*(pid for (pid,) in pids), flush=True)
 time.sleep(60)
 """
@@ -167,8 +186,9 @@ def _is_alive(pid: int) -> bool:
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_no_process_outlives_the_one_it_works_for(how, tmp_path):
-    (tmp_path / "crew_functions.py").write_text(
-        "import os\n\n\ndef pid(target):\n    return os.getpid()\n"
+    (tmp_path / "crew_jobs.py").write_text(
+        "import os\n\n\nclass Pid:\n"
+        "    def RunOn(self, worker):\n        return os.getpid()\n"
     )
     with subprocess.Popen(
         [sys.executable, "-c", _SCRIPT],
@@ -199,7 +219,7 @@ def test_a_daemonic_process_does_everything_itself():
 
 
 def _run_in_daemon(queue) -> None:
-    results = Crew(Counter(), 2).Run(Counter.Add, [_arguments(1)] * 2)
+    results = Crew(Counter(), 2).Run([[Add(1)]] * 2)
     queue.put((os.getpid(), {pid for part in results for pid, _, _ in part}))
 
 

@@ -45,10 +45,8 @@ from pbpf_drake.motion.motion_model import (
 from pbpf_drake.poses.pose_statistics import mean_pose
 from pbpf_drake.process_crew import Crew
 from pbpf_drake.random_streams import Stream
-from pbpf_drake.visibility.visibility_model import (
-    VisibilityModel,
-    visibility_log_factor,
-)
+from pbpf_drake.visibility.visibility_model import RayCaster, VisibilityModel
+from pbpf_drake.visibility.visibility_weights import visibility_log_factor
 
 
 @dataclass
@@ -61,7 +59,7 @@ class UpdateScratch(Generic[MotionScratch]):
     """
 
     motion: MotionScratch
-    visibility: Crew | None
+    visibility: Crew[RayCaster] | None
 
 
 class ParticleFilterUpdate(Generic[MotionScratch]):
@@ -234,7 +232,7 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
             return log_weights
         visibility = self._visibility_model.Score(
             particles=poses_at_last_images(cloud.start, cloud.end, step),
-            active=step.known,
+            known=step.known,
             robot_positions=step.path.positions[-1],
             rng=step.MakeGenerator(Stream.RAY_TARGETS),
             scratch=scratch.visibility,

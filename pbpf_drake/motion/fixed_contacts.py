@@ -1,8 +1,8 @@
 """Where objects touch fixed models, for all particles at once.
 
-Things stand on the small spheres of contact_points.py, so a contact is one of
-an object's spheres with a fixed shape, or of a fixed model's spheres with an
-object's shape. The prediction has the same spheres and shapes.
+Things stand on the small spheres of contact_points.py. So in a contact a sphere
+of an object touches a fixed shape, or a sphere of a fixed model touches an
+object's shape. The particle plant has the same spheres and shapes.
 """
 
 from collections.abc import Iterator
@@ -25,11 +25,11 @@ class PointContacts:
     """Contacts of n spheres, in no particular order.
 
     Attributes:
-        particles: (n,) m.
-        objects: (n,) k.
+        particles: (n,) the index m of the particle.
+        objects: (n,) the index k of the object in it.
         points: (n, 3) where they touch, in the world (in meters).
         normals: (n, 3) unit normals there, towards the object.
-        depths: (n,) of the penetration (in meters), more than 0.
+        depths: (n,) how deep they penetrate (in meters), more than 0.
     """
 
     particles: np.ndarray
@@ -68,7 +68,7 @@ class FixedContacts:
         boxes = MakeBoundingBoxes(
             self._inspector, [model.geometries(body) for body in objects]
         )
-        # Around everything of an object, its spheres too.
+        # Of balls around all geometry of each object, its spheres included.
         self._radii = boxes.radii(len(objects)) + 1e-3
         fixed = {
             geometry: self._MakeSolid(geometry, rigid_transform(pose))
@@ -130,7 +130,8 @@ class FixedContacts:
         near = np.flatnonzero(fixed.Distance(X_WO[:, 4:])[0] <= radius)
         if not len(near):
             return
-        to_O = quaternions.to_matrix(X_WO[near, :4])  # From the right.
+        # From the right, these turn vectors from W into O and back.
+        to_O = quaternions.to_matrix(X_WO[near, :4])
         to_W, p_WO = np.swapaxes(to_O, -1, -2), X_WO[near, None, 4:]
         p_WP = p_WO + solid.p_BP @ to_W
         distance, normal = fixed.Distance(p_WP)

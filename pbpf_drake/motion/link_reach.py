@@ -11,34 +11,35 @@ from pbpf_drake.shapes.bounding_boxes import (
 
 def link_distances(
     *,
-    objects: BoundingBoxes,
+    object_boxes: BoundingBoxes,
     poses: np.ndarray,
     active: np.ndarray,
-    links: BoundingBoxes,
+    link_boxes: BoundingBoxes,
     link_poses: np.ndarray,
     margin: np.ndarray,
 ) -> np.ndarray:
-    """Returns how far links are from any object at least, (M, L).
+    """Returns a lower bound of each link's distance from all objects, (M, L).
 
-    Inf stands for more than the margin.
+    It is inf (in meters) where it is more than the margin.
 
     Args:
-        objects: boxes around K objects.
+        object_boxes: boxes around K objects.
         poses: (M, K, 7) of the objects; what isn't finite is near nothing.
         active: (K,) which objects count.
-        links: boxes around L links.
+        link_boxes: boxes around L links.
         link_poses: (S, L, 7) of the links, at S times.
         margin: (M,) the largest distance of interest (in meters).
     """
     found = np.full((len(poses), link_poses.shape[1]), np.inf)
     with np.errstate(invalid="ignore", over="ignore"):
-        near = objects.at(poses[:, None]).subset(active[objects.bodies])
-        boxes = links.at(link_poses)
-        boxes = boxes.subset(_may_be_near(near, boxes, margin))
-        distances = least_distances(near, boxes).min(
+        objects = object_boxes.at(poses[:, None])
+        objects = objects.subset(active[object_boxes.bodies])
+        links = link_boxes.at(link_poses)
+        links = links.subset(_may_be_near(objects, links, margin))
+        distances = least_distances(objects, links).min(
             axis=(1, 2), initial=np.inf
         )
-    for box, link in enumerate(boxes.bodies):
+    for box, link in enumerate(links.bodies):
         found[:, link] = np.fmin(found[:, link], distances[:, box])
     return np.where(found <= margin[:, None], found, np.inf)
 
@@ -46,12 +47,14 @@ def link_distances(
 def _may_be_near(
     objects: PlacedBoxes, links: PlacedBoxes, margin: np.ndarray
 ) -> np.ndarray:
-    """Returns which boxes of links have a sphere that comes near, (G,).
+    """Returns which boxes of links may come near any object, (G,).
+
+    A sphere around such a box comes as near as the margin.
 
     Args:
-        objects: of M particles, (M, 1, ...).
-        links: at S times, (S, ...).
-        margin: (M,).
+        objects: boxes of M particles, (M, 1, ...).
+        links: boxes at S times, (S, ...).
+        margin: (M,) as in link_distances.
     """
     offset = links.centers[:, None] - objects.centers[..., None, :]
     seen = np.abs(offset @ objects.axes)  # (M, S, objects, links, 3)

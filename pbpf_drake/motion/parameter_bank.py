@@ -1,7 +1,7 @@
 """The M draws of θ, and which particle has which at a step.
 
-Writing θ into a context takes longer than simulating the particle. So the draws
-are made once, and each step deals them out to the particles anew.
+It takes longer to write θ into a context than to simulate the particle. So the
+draws are made once, and at each step they are dealt out to the particles anew.
 """
 
 import numpy as np

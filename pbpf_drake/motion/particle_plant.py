@@ -1,8 +1,9 @@
-"""The physics of particles: objects, fixed models and links of the robot.
+"""The plant in which each particle is simulated.
 
-All particles share it; each has a context. Contact geometry is made so that
-things stay on the table. The links are free bodies, so heavy that contact
-can't change how they move: q(t) = q₀ + v t.
+It holds the objects, the fixed models and some links of the robot. All
+particles share it, and each has a context of its own. Its contact geometry is
+made so that things stay on the table. The links are free bodies that are too
+heavy for a contact to change how they move: q(t) = q₀ + v t.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -20,8 +21,7 @@ from pydrake.geometry import (
     Sphere,
 )
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import ContactModel as PlantContactModel
-from pydrake.multibody.plant import CoulombFriction
+from pydrake.multibody.plant import ContactModel, CoulombFriction
 from pydrake.multibody.tree import (
     BodyIndex,
     ModelInstanceIndex,
@@ -33,38 +33,40 @@ from pydrake.multibody.tree import (
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 from pydrake.systems.framework import Context
 
+from pbpf_drake.motion.robot_links import LinkSet
 from pbpf_drake.scene.prediction_model import PredictionModel
 from pbpf_drake.shapes.contact_points import MakeContactPoints, MakeCore
 
-# Of a link (in kg, and with 1 m² in kg m²). A contact force of 100 N for
-# 0.16 s changes its speed by 2e-4 m/s at most.
+# The mass of each link (in kg); in kg m² it is also its rotational inertia. A
+# force of 100 N for 0.16 s changes a link's speed by 2e-4 m/s at most.
 _LINK_MASS = 1e5
-# Everything but the objects is so stiff and rough that only the object's own
-# stiffness, dissipation and friction count in a contact.
+# Everything but the objects is so stiff and so rough that in a contact only the
+# object's own stiffness, dissipation and friction count.
 _RIGID = 1e9
 _ROUGH = 1e9
 
 
 @dataclass(frozen=True)
-class ContactModel:
-    """A finalized model in which particles are simulated.
+class ParticlePlant:
+    """The plant in which each particle is simulated, and what is where in it.
 
     Attributes:
-        diagram: shared by all particles, never changed.
-        links: which of the robot's links it has, indices into
-            PredictionModel.links.
-        link_q, link_v: (L, 7), (L, 6) indices into the plant's q and v.
+        diagram: the plant and its scene graph, finalized. All particles share
+            it, and nobody changes it.
+        link_set: which of the robot's links it has.
+        link_q: (L, 7) indices into the plant's q: qw qx qy qz, x y z.
+        link_v: (L, 6) indices into its v: angular, then translational.
         object_q: (K, 7) indices into q: qw qx qy qz, x y z.
         object_v: (K, 6) indices into v: angular, then translational.
-        objects: the bodies of the objects.
-        owners: which object each of the objects' geometries is part of.
-        points: which of the objects' geometries are contact points.
-        link_geometries: those of the links.
-        fixed_geometries: those of the fixed models.
+        objects: the bodies of the K objects.
+        owners: of each geometry of an object, the object's index k.
+        points: the geometries of the objects that are contact points.
+        link_geometries: the geometries of the links.
+        fixed_geometries: the geometries of the fixed models.
     """
 
     diagram: RobotDiagram
-    links: tuple[int, ...]
+    link_set: LinkSet
     link_q: np.ndarray
     link_v: np.ndarray
     object_q: np.ndarray
@@ -76,29 +78,34 @@ class ContactModel:
     fixed_geometries: frozenset[GeometryId]
 
 
-def MakeContactModel(
-    model: PredictionModel, links: Sequence[int]
-) -> ContactModel:
-    """Builds the contact model of a scene, with some of the robot's links."""
-    return _Builder(model, tuple(links)).Build()
+def MakeParticlePlant(
+    model: PredictionModel, link_set: Sequence[int]
+) -> ParticlePlant:
+    """Returns the plant of a scene, with some of the robot's links.
+
+    Args:
+        model: the scene's models.
+        link_set: the links, indices into the model's.
+    """
+    return _Builder(model, tuple(link_set)).Build()
 
 
 class _Builder:
-    """Copies the bodies, and gives objects and fixed models points and cores.
+    """Copies the scene's bodies, and adds points and cores to their shapes.
 
-    Of a tracked object, the robot touches the whole shape, and the fixed
-    models touch its points and its core. Two objects touch with the points of
-    one and the whole shape of the other, or with their cores.
+    The robot touches the whole shape of an object. Fixed models touch the
+    points and the core of an object. Two objects touch with the points of one
+    and the whole shape of the other, or with both cores.
     """
 
-    def __init__(self, model: PredictionModel, links: tuple[int, ...]):
+    def __init__(self, model: PredictionModel, link_set: LinkSet):
         self._model = model
-        self._links = links
+        self._link_set = link_set
         self._source = model.diagram.plant()
         self._inspector = model.diagram.scene_graph().model_inspector()
         self._builder = RobotDiagramBuilder(time_step=0.0)
         self._plant = self._builder.plant()
-        self._plant.set_contact_model(PlantContactModel.kPoint)
+        self._plant.set_contact_model(ContactModel.kPoint)
         self._robot = GeometrySet()
         self._fixed = GeometrySet()
         self._fixed_points = GeometrySet()
@@ -106,24 +113,24 @@ class _Builder:
         self._cores = GeometrySet()
         self._points = GeometrySet()
         self._point_ids: list[GeometryId] = []
-        # The geometries that stand for one of the scene's.
+        # The geometries here that stand for each geometry of the scene.
         self._copies: dict[GeometryId, list[GeometryId]] = {}
 
-    def Build(self) -> ContactModel:
+    def Build(self) -> ParticlePlant:
         robot = self._plant.AddModelInstance("robot")
         self._plant.set_gravity_enabled(robot, False)
         context = self._source.CreateDefaultContext()
         for index in self._model.models.fixed:
             self._AddFixed(index, context)
         links = [
-            self._AddLink(robot, self._model.links[i]) for i in self._links
+            self._AddLink(robot, self._model.links[i]) for i in self._link_set
         ]
         objects = [self._AddObject(i) for i in self._model.models.objects]
         self._Filter()
         self._plant.Finalize()
-        return ContactModel(
+        return ParticlePlant(
             diagram=self._builder.Build(),
-            links=self._links,
+            link_set=self._link_set,
             link_q=_rows(links, 7, RigidBody.floating_positions_start),
             link_v=_rows(links, 6, RigidBody.floating_velocities_start_in_v),
             object_q=_rows(objects, 7, RigidBody.floating_positions_start),
@@ -138,7 +145,7 @@ class _Builder:
             },
             points=frozenset(self._point_ids),
             link_geometries=frozenset(
-                self._CopiesOf(self._model.links[i] for i in self._links)
+                self._CopiesOf(self._model.links[i] for i in self._link_set)
             ),
             fixed_geometries=frozenset(
                 self._CopiesOf(self._model.models.fixed)
@@ -172,7 +179,8 @@ class _Builder:
             self._points.Add(points)
             self._point_ids += points
             core = MakeCore(self._inspector.GetShape(geometry))
-            # Round all over, or a hull: everything touches the whole.
+            # What is round all over, or a hull, has no core, and everything
+            # touches its whole shape.
             if core is not None:
                 self._whole.Add(whole)
                 self._cores.Add(self._AddShape(body, geometry, core))
@@ -208,14 +216,14 @@ class _Builder:
         X_BS: RigidTransform | None = None,
         X_GP: RigidTransform | None = None,
     ) -> GeometryId:
-        """Adds a shape to a body that stands for a body S of the scene.
+        """Adds a shape to a body B of the plant, and returns its geometry.
 
         Args:
-            body: in the contact model.
-            geometry: the scene's geometry G that it stands for.
-            shape: added.
-            X_BS: where S is in the body.
-            X_GP: where the shape is in G.
+            body: B, which stands for a body S of the scene.
+            geometry: a geometry G of S, which the shape stands for.
+            shape: what to add.
+            X_BS: the pose of S in B; None where they are the same.
+            X_GP: the pose of the shape in G; None where they are the same.
         """
         copies = self._copies.setdefault(geometry, [])
         X_SG = self._inspector.GetPoseInFrame(geometry)
@@ -244,7 +252,7 @@ class _Builder:
         filters.ExcludeBetween(self._whole, self._cores)
         filters.ExcludeBetween(self._points, self._cores)
         filters.ExcludeBetween(self._points, self._fixed_points)
-        # What the scene's own filters say.
+        # The scene's own filters hold for the copies, too.
         for a, b in itertools.combinations(self._copies, 2):
             if self._inspector.CollisionFiltered(a, b):
                 filters.ExcludeBetween(
@@ -270,7 +278,10 @@ def _rows(
 
 
 def _Material() -> ProximityProperties:
-    """Objects get one of their own in each context (SetPhysicalParameters)."""
+    """Returns what everything is made of until SetPhysicalParameters.
+
+    In each context, that gives the objects a material of their own.
+    """
     properties = ProximityProperties()
     AddContactMaterial(
         dissipation=0.0,

@@ -1,4 +1,4 @@
-"""One particle through the physics, for as long as the robot's path takes."""
+"""Simulates one particle for as long as the robot's path takes."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -8,28 +8,28 @@ import numpy as np
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import Context
 
-from pbpf_drake.motion.particle_plant import ContactModel
+from pbpf_drake.motion.particle_plant import ParticlePlant
 from pbpf_drake.motion.robot_links import LinkMotion
 from pbpf_drake.motion.ticks import TICK, to_ticks
 
-# What a particle touches at first is new to it: it was disturbed, pushed out,
-# and got another θ. So the first of the physics' steps is divided, at these
-# shares of it.
+# A particle's first contacts are new to it: it has just got noise, was pushed
+# out, and got another θ. So the first step of the physics is divided into
+# shorter ones, which end at these shares of it.
 _ONSET = (1 / 8, 3 / 8, 1)
-# The steps of what falls are not shortened to less than this share.
+# When something falls, steps are not shortened to less than this share.
 _MIN_FALLING = 1 / 4
 
 
 @dataclass(frozen=True)
 class FallLimit:
-    """Shortens the steps of what falls.
+    """Shortens the steps when an object falls.
 
-    Steps are chosen by how fast things are at first. Nothing but gravity makes
-    them much faster within an update.
+    Steps are chosen by how fast things are at first. Within an update nothing
+    but gravity makes them much faster.
 
     Attributes:
-        rows: where the upward velocities of the objects that count are in the
-            continuous state.
+        rows: where the continuous state has the upward velocities of the
+            objects that count.
         max_travel: how far they may fall in a step (in meters).
     """
 
@@ -41,7 +41,7 @@ class FallLimit:
 
         Args:
             context: of the simulation, at any time.
-            time_step: what it was until now, whole ticks (in seconds).
+            time_step: the step until now, in whole ticks (in seconds).
         """
         state = context.get_continuous_state_vector()
         speed = max((-state.GetAtIndex(i) for i in self.rows), default=0.0)
@@ -52,73 +52,79 @@ class FallLimit:
 
 
 def MakeFallLimit(
-    model: ContactModel, active: np.ndarray, max_travel: float
+    particle_plant: ParticlePlant, active: np.ndarray, max_travel: float
 ) -> FallLimit:
-    """Returns the limit for some of a model's objects.
+    """Returns the limit for some of the plant's objects.
 
     Args:
-        model: the contact model.
+        particle_plant: what particles are simulated in.
         active: (K,) which of the objects count.
         max_travel: how far they may fall in a step (in meters).
     """
-    rows = model.diagram.plant().num_positions() + model.object_v[active, 5]
+    rows = (
+        particle_plant.diagram.plant().num_positions()
+        + particle_plant.object_v[active, 5]
+    )
     return FallLimit(rows=rows.tolist(), max_travel=max_travel)
 
 
-def MakeParticleSimulator(model: ContactModel, context: Context) -> Simulator:
+def MakeParticleSimulator(
+    particle_plant: ParticlePlant, context: Context
+) -> Simulator:
     """Returns a simulator that takes fixed steps.
 
-    They are those of the convex solver of Drake's CENIC integrator. Error
-    control costs three times as much per step, and misses contacts that
-    begin within a long one.
+    The steps are those of the convex solver of Drake's CENIC integrator. With
+    error control a step would cost three times as much, and a contact that
+    begins within a long step would be missed.
 
     Args:
-        model: the contact model.
+        particle_plant: what particles are simulated in.
         context: a root context of its diagram, with a particle's θ.
     """
-    simulator = Simulator(model.diagram, context)
+    simulator = Simulator(particle_plant.diagram, context)
     ResetIntegratorFromFlags(simulator, "cenic", 1.0)
     simulator.get_mutable_integrator().set_fixed_step_mode(True)
     return simulator
 
 
 def make_states(
-    model: ContactModel,
+    particle_plant: ParticlePlant,
     *,
     poses: np.ndarray,
     velocities: np.ndarray,
-    links: LinkMotion,
+    link_motion: LinkMotion,
 ) -> np.ndarray:
     """Returns the plant's state at the start of each particle, (M, nx).
 
     Args:
-        model: the contact model.
+        particle_plant: what particles are simulated in.
         poses: (M, K, 7) of the objects.
         velocities: (M, K, 6): angular, translational.
-        links: the motion of the model's links.
+        link_motion: how the plant's links move.
     """
-    plant = model.diagram.plant()
+    plant = particle_plant.diagram.plant()
     states = np.zeros((len(poses), plant.num_multibody_states()))
-    states[:, model.object_q] = poses
-    states[:, plant.num_positions() + model.object_v] = velocities
-    _set_links(model, states, links, 0)
+    states[:, particle_plant.object_q] = poses
+    states[:, plant.num_positions() + particle_plant.object_v] = velocities
+    _write_links(particle_plant, states, link_motion, 0)
     return states
 
 
 def split_states(
-    model: ContactModel, states: np.ndarray
+    particle_plant: ParticlePlant, states: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Returns the objects' poses (M, K, 7) and velocities (M, K, 6)."""
-    nq = model.diagram.plant().num_positions()
-    return states[:, model.object_q], states[:, nq + model.object_v]
+    nq = particle_plant.diagram.plant().num_positions()
+    velocities = states[:, nq + particle_plant.object_v]
+    return states[:, particle_plant.object_q], velocities
 
 
 def simulate(
-    model: ContactModel,
+    particle_plant: ParticlePlant,
     simulator: Simulator,
     *,
     state: np.ndarray,
-    links: LinkMotion,
+    link_motion: LinkMotion,
     time_step: float,
     fall_limit: FallLimit,
 ) -> np.ndarray:
@@ -129,10 +135,10 @@ def simulate(
     whole ticks.
 
     Args:
-        model: the contact model.
+        particle_plant: what particles are simulated in.
         simulator: from MakeParticleSimulator.
-        state: (nx,) that it starts in.
-        links: the motion of the model's links.
+        state: (nx,) that the particle starts in.
+        link_motion: how the plant's links move.
         time_step: of the physics (in seconds), a multiple of 8 ticks.
         fall_limit: for the steps after the first.
     """
@@ -140,9 +146,11 @@ def simulate(
     integrator.set_maximum_step_size(time_step)
     context = simulator.get_mutable_context()
     start = context.get_time()
-    for s, (begin, end) in enumerate(itertools.pairwise(links.times.tolist())):
+    for s, (begin, end) in enumerate(
+        itertools.pairwise(link_motion.times.tolist())
+    ):
         if s > 0:
-            _set_links(model, state, links, s)
+            _write_links(particle_plant, state, link_motion, s)
         context.SetContinuousState(state)
         for time in _ends(begin, end, time_step):
             simulator.AdvanceTo(start + time, interruptible=False)
@@ -157,14 +165,14 @@ def simulate(
 def choose_time_step(
     speed: np.ndarray, *, max_travel: float, max_step: float
 ) -> np.ndarray:
-    """Returns the physics' step for what moves at a speed (in seconds).
+    """Returns the physics' step for things of some speed (in seconds).
 
     Contacts are found at the beginning of a step, so nothing may move far
     within one.
 
     Args:
-        speed: the highest of anything's (in m/s).
-        max_travel: that it may travel in a step (in meters).
+        speed: the speed of whatever moves fastest (in m/s).
+        max_travel: how far that may move in a step (in meters).
         max_step: the longest step (in seconds); none is below a 16th of it.
 
     Returns:
@@ -185,11 +193,14 @@ def _ends(begin: float, end: float, time_step: float) -> Iterator[float]:
         yield end
 
 
-def _set_links(
-    model: ContactModel, states: np.ndarray, links: LinkMotion, s: int
+def _write_links(
+    particle_plant: ParticlePlant,
+    states: np.ndarray,
+    link_motion: LinkMotion,
+    s: int,
 ) -> None:
-    """Writes where the links are, and go, into states (..., nx)."""
-    nq = model.diagram.plant().num_positions()
-    states[..., model.link_q] = links.poses[s]
-    if len(links.velocities):
-        states[..., nq + model.link_v] = links.velocities[s]
+    """Writes the links' poses and velocities of piece s into states."""
+    nq = particle_plant.diagram.plant().num_positions()
+    states[..., particle_plant.link_q] = link_motion.poses[s]
+    if len(link_motion.velocities):
+        states[..., nq + particle_plant.link_v] = link_motion.velocities[s]

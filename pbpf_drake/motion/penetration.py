@@ -1,10 +1,10 @@
 """Moves objects out of what they penetrate, before they are simulated.
 
-Noise puts particles into the table and into the hand. A physics engine would
-shoot them out. Here they are pushed out instead, along the normal of the
-deepest penetration, until nothing is deep: first by links and each other, then
-by fixed models. What stands on something is not lifted by the robot or by
-another object, but slid and turned as by a push.
+Noise puts objects into the table and into the hand. A physics engine would
+shoot them out. So they are pushed out before, along the normal of their deepest
+penetration, again and again until none is deep: first out of links and of each
+other, then out of fixed models. An object that stands on something is not
+lifted by the robot or by another object; it slides and turns as if pushed.
 """
 
 from collections.abc import Sequence
@@ -18,33 +18,37 @@ from pydrake.geometry import (
 )
 
 from pbpf_drake.motion.fixed_contacts import FixedContacts
-from pbpf_drake.motion.particle_plant import ContactModel
+from pbpf_drake.motion.particle_plant import ParticlePlant
 from pbpf_drake.motion.push_on_support import MassDistribution, push_on_support
 from pbpf_drake.shapes.contact_points import REST_DEPTH
 
-# What is left of a penetration (in meters). Of one by what may carry an object
-# it is that of an object at rest, or it would fall.
+# An object that was pushed out still penetrates by this much (in meters). Where
+# it may be carried, it stays as deep as at rest, or it would fall: see
+# allowed_depth.
 TOUCH = 8e-5
-# What is deeper than this times as much is pushed out.
+# An object is pushed out where it is more than this many times as deep.
 _TOLERANCE = 1.25
-# Each push makes some way for one contact; a box between hand, table and
-# another box needs a few.
+# One push is for one contact only. A box between the hand, the table and
+# another box needs a few pushes.
 _MAX_PUSHES = 10
-# What was pushed isn't pushed back: within 60° of it.
+# An object is not pushed back to where it was pushed from: not within 60° of
+# the opposite direction. This is cos 60°.
 _BACK = 0.5
 
 
 @dataclass(frozen=True)
 class _Penetration:
-    """The deepest of one particle.
+    """The deepest penetration of one particle.
 
     Attributes:
         particle: its index.
-        objects: the two that penetrate; -1 for a link or a fixed model.
-        fixed: whether one of them is a fixed model.
-        normal: (3,) where the first goes; the second goes the other way.
+        objects: the indices of the two objects that penetrate each other; -1
+            stands for a link or a fixed model.
+        fixed: whether one of the two is a fixed model.
+        normal: (3,) the direction in which the first has to move; the second
+            has to move the other way.
         p_WC: (3,) where they touch (in meters).
-        distance: the way that they have to go apart (in meters).
+        distance: how far they have to move apart (in meters).
     """
 
     particle: int
@@ -59,48 +63,52 @@ class PenetrationResolver:
     """Moves objects out of links, fixed models and each other.
 
     Args:
-        model: the contact model.
-        contacts: of the same scene.
+        particle_plant: what particles are simulated in.
+        contacts: finds the contacts with fixed models, of the same scene.
     """
 
-    def __init__(self, model: ContactModel, contacts: FixedContacts) -> None:
-        plant, scene_graph = model.diagram.plant(), model.diagram.scene_graph()
-        root = model.diagram.CreateDefaultContext()
-        self._model = model
+    def __init__(
+        self, particle_plant: ParticlePlant, contacts: FixedContacts
+    ) -> None:
+        diagram = particle_plant.diagram
+        plant, scene_graph = diagram.plant(), diagram.scene_graph()
+        root = diagram.CreateDefaultContext()
+        self._particle_plant = particle_plant
         self._contacts = contacts
         self._plant = plant
         self._context = plant.GetMyMutableContextFromRoot(root)
         self._geometry = scene_graph.GetMyMutableContextFromRoot(root)
         self._query = scene_graph.get_query_output_port()
-        # Of these, most by far, FixedContacts knows.
+        # By far the most contacts are these, and FixedContacts finds them.
         scene_graph.collision_filter_manager(self._geometry).Apply(
             CollisionFilterDeclaration().ExcludeBetween(
-                GeometrySet(list(model.points)),
-                GeometrySet(list(model.fixed_geometries)),
+                GeometrySet(list(particle_plant.points)),
+                GeometrySet(list(particle_plant.fixed_geometries)),
             )
         )
         self._masses = MassDistribution.OfBodies(
-            [plant.get_body(index) for index in model.objects]
+            [plant.get_body(index) for index in particle_plant.objects]
         )
 
     def PushOut(self, q: np.ndarray, supports: np.ndarray) -> np.ndarray:
         """Returns q with the objects moved, (m, nq).
 
-        Of two objects that penetrate, each goes half the way, unless one of
-        them would go back to where it was pushed from. What penetrates a fixed
-        model is moved along the normal and keeps its rotation.
+        Two objects that penetrate each other go half the way each, unless one
+        of them would go back to where it was pushed from. An object that
+        penetrates a fixed model moves along the normal, without turning.
 
         Args:
-            q: (m, nq) positions of the model's plant in m particles; the
-                links' are kept.
+            q: (m, nq) the plant's positions for m particles; those of the links
+                stay the same.
             supports: (m, K, 3) normals of what the objects stand on, or zeros.
         """
         q = q.copy()
-        # Where each object was pushed to by what doesn't give way.
+        # The directions in which each object was pushed by what did not move.
         pushed = np.zeros((*supports.shape[:2], _MAX_PUSHES, 3))
         num_pushes = np.zeros(len(q), dtype=int)
-        # Which may still be in links or objects, and which have moved since the
-        # fixed models were looked at. These wait until none of those is left.
+        # The particles that may still have objects in links or in each other,
+        # and those that moved since fixed models were last looked at. That is
+        # done only when none is left of the first.
         left, moved = list(range(len(q))), set(range(len(q)))
         while left or moved:
             found = self._FindPairs(q, left)
@@ -118,10 +126,11 @@ class PenetrationResolver:
     def _FindPairs(
         self, q: np.ndarray, particles: Sequence[int]
     ) -> list[_Penetration]:
-        """Returns each particle's deepest one that FixedContacts doesn't know.
+        """Returns the deepest penetration of each particle in the plant.
 
-        It is one by a link or by another object, or one by a fixed model that
-        touches an object's core, or its shape where that has no points.
+        It is by a link or another object, or by a fixed model that touches an
+        object's core, or the object itself where it has no points. Points that
+        penetrate fixed models are left to _FindOnFixed.
         """
         found = []
         for particle in particles:
@@ -133,12 +142,14 @@ class PenetrationResolver:
     def _FindOnFixed(
         self, q: np.ndarray, particles: Sequence[int]
     ) -> list[_Penetration]:
-        """Returns each particle's deepest one by a fixed model."""
-        contacts = self._contacts.Find(q[particles][:, self._model.object_q])
+        """Returns the deepest penetration by fixed models of each particle."""
+        contacts = self._contacts.Find(
+            q[particles][:, self._particle_plant.object_q]
+        )
         allowed = allowed_depth(contacts.normals[:, 2])
         excess = contacts.depths - _TOLERANCE * allowed
         order = np.argsort(excess, kind="stable")
-        # Of each particle's, the last counts.
+        # The last one of a particle, which is the deepest, replaces the others.
         deepest = dict(zip(contacts.particles[order], order, strict=True))
         return [
             _Penetration(
@@ -156,16 +167,16 @@ class PenetrationResolver:
     def _DeepestPair(
         self, q: np.ndarray
     ) -> tuple[PenetrationAsPointPair, float] | None:
-        """Returns the pair that is too deep by the most, and its way out."""
+        """Returns the pair that is most too deep, and how far to move it."""
         self._plant.SetPositions(self._context, q)
         query = self._query.Eval(self._geometry)
-        links = self._model.link_geometries
+        robot = self._particle_plant.link_geometries
         deepest, most = None, 0.0
         for pair in query.ComputePointPairPenetration():
             depth, allowed = pair.depth, TOUCH
             if depth <= _TOLERANCE * TOUCH + most:
                 continue
-            if pair.id_A not in links and pair.id_B not in links:
+            if pair.id_A not in robot and pair.id_B not in robot:
                 allowed = float(allowed_depth(pair.nhat_BA_W[2]))
             if depth - _TOLERANCE * allowed > most:
                 deepest = pair, depth - allowed
@@ -175,11 +186,11 @@ class PenetrationResolver:
     def _Describe(
         self, particle: int, pair: PenetrationAsPointPair, distance: float
     ) -> _Penetration:
-        ids, owners = (pair.id_A, pair.id_B), self._model.owners
+        ids, owners = (pair.id_A, pair.id_B), self._particle_plant.owners
         return _Penetration(
             particle=particle,
             objects=(owners.get(ids[0], -1), owners.get(ids[1], -1)),
-            fixed=not self._model.fixed_geometries.isdisjoint(ids),
+            fixed=not self._particle_plant.fixed_geometries.isdisjoint(ids),
             normal=pair.nhat_BA_W,
             p_WC=(pair.p_WCa + pair.p_WCb) / 2,
             distance=distance,
@@ -193,14 +204,15 @@ class PenetrationResolver:
         pushed: np.ndarray,
         num_pushes: np.ndarray,
     ) -> None:
-        """Moves what penetrates, and notes what can't go back any more.
+        """Moves objects apart, and records which way they were pushed.
 
         Args:
-            q: (m, nq) changed.
+            q: (m, nq) the positions, changed.
             found: n penetrations, of different particles.
             supports: (m, K, 3) as in PushOut.
-            pushed: (m, K, pushes, 3) changed.
-            num_pushes: (m,) so far.
+            pushed: (m, K, pushes, 3) the directions in which objects were
+                pushed by what did not move, changed.
+            num_pushes: (m,) how often each particle was pushed so far.
         """
         m = np.array([p.particle for p in found])
         objects = np.array([p.objects for p in found])
@@ -211,11 +223,12 @@ class PenetrationResolver:
         free = is_object & ~back
         free = np.where(free.any(axis=1, keepdims=True), free, is_object)
         num_free = free.sum(axis=1)
-        # Of each object that moves: its penetration, and which side it is.
+        # For each object that moves, which penetration it is in, and on which
+        # side of it: the first or the second.
         n, side = np.nonzero(free)
         m, k, normals = m[n], objects[n, side], normals[n, side]
         fixed = np.array([p.fixed for p in found])[n]
-        X_WO = m[:, None], self._model.object_q[k]
+        X_WO = m[:, None], self._particle_plant.object_q[k]
         q[X_WO] = push_on_support(
             q[X_WO],
             self._masses.of(k),
@@ -232,16 +245,22 @@ def is_too_deep(depth: np.ndarray, upwards: np.ndarray) -> np.ndarray:
     """Returns which penetrations by fixed models or objects are too deep.
 
     Args:
-        depth: (...) of the penetrations (in meters).
+        depth: (...) how deep they are (in meters).
         upwards: (...) the z components of their normals.
     """
     return depth > _TOLERANCE * allowed_depth(upwards)
 
 
 def allowed_depth(upwards: np.ndarray) -> np.ndarray:
-    """Returns how deep fixed models or objects may be left (in meters).
+    """Returns how deep objects may stay in fixed models or each other, (...).
+
+    The steeper the normal, the more of an object's weight the contact may have
+    to carry, and the deeper the object sinks in at rest.
 
     Args:
         upwards: (...) the z components of the normals.
+
+    Returns:
+        The depths (in meters).
     """
     return np.maximum(TOUCH, REST_DEPTH * np.abs(upwards))

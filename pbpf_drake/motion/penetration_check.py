@@ -1,7 +1,7 @@
-"""Which particles may penetrate fixed models or themselves, all at once.
+"""In which particles objects may penetrate fixed models or each other.
 
-Most haven't, and finding out is much cheaper than pushing out. Whatever is
-not sure counts as penetrating.
+In most they don't, and it takes much less to find that out, for all particles
+at once, than to push objects out. In doubt, they do.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ class PenetrationCheck:
 
     Args:
         model: the scene's models.
-        contacts: of the same scene.
+        contacts: finds the contacts with fixed models, of the same scene.
     """
 
     def __init__(
@@ -51,9 +51,11 @@ class PenetrationCheck:
                 for g in of_body
             ]
         )
-        # What has points is carried by them; its core is smaller.
+        # Where a geometry has points, these are looked at one by one, and its
+        # core is this much smaller.
         self._allowed = np.where(has_points, INSET, TOUCH)
-        # A half space has no box. The points' contacts with it are known.
+        # A half space has no box around it. Points in it are found all the
+        # same, but geometry without points isn't.
         self._unsure = bounded != fixed and not has_points.all()
 
     def MayPenetrate(self, poses: np.ndarray, active: np.ndarray) -> np.ndarray:

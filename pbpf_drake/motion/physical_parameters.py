@@ -15,13 +15,13 @@ from pbpf_drake.config.particle_filter_config import (
     PhysicalParametersConfig,
     TruncatedGaussian,
 )
-from pbpf_drake.motion.particle_plant import ContactModel
+from pbpf_drake.motion.particle_plant import ParticlePlant
 from pbpf_drake.shapes.contact_points import POINT_STIFFNESS, SHAPE_STIFFNESS
 
 
 @dataclass(frozen=True)
 class PhysicalParameters:
-    """Draws of θ.
+    """Draws of θ, in arrays of the same shape.
 
     Attributes:
         friction: (...) Coulomb coefficient of the object's contacts.
@@ -58,38 +58,38 @@ def SamplePhysicalParameters(
 
 def SetPhysicalParameters(
     *,
-    model: ContactModel,
+    particle_plant: ParticlePlant,
     context: Context,
     k: int,
     friction: float,
     mass: float,
     dissipation: float,
 ) -> None:
-    """Writes one object's θ into a context of a contact model.
+    """Writes one object's θ into a context of a particle plant.
 
     Drake combines the coefficients of two surfaces as 2μ₁μ₂/(μ₁+μ₂). In the
-    contact model everything but the tracked objects has an unlimited
-    coefficient, so half of ``friction`` on the object is ``friction`` at the
-    contact.
+    plant everything but the tracked objects has an unlimited coefficient, so
+    half of ``friction`` on the object is ``friction`` at the contact.
 
     The stiffness of the contacts is in proportion to the mass, so that a light
     object sinks as deep as a heavy one, and is as easy to simulate.
 
     Args:
-        model: the contact model.
+        particle_plant: what particles are simulated in.
         context: a root context of its diagram, changed.
         k: which of its objects.
         friction: coefficient of its contacts.
         mass: in kilograms; the rotational inertia scales with it.
         dissipation: Hunt-Crossley dissipation (in s/m).
     """
-    plant, scene_graph = model.diagram.plant(), model.diagram.scene_graph()
-    body = plant.get_body(model.objects[k])
+    diagram = particle_plant.diagram
+    plant, scene_graph = diagram.plant(), diagram.scene_graph()
+    body = plant.get_body(particle_plant.objects[k])
     body.SetMass(plant.GetMyMutableContextFromRoot(context), float(mass))
-    for geometry, owner in model.owners.items():
+    for geometry, owner in particle_plant.owners.items():
         if owner != k:
             continue
-        soft = geometry in model.points
+        soft = geometry in particle_plant.points
         properties = ProximityProperties()
         AddContactMaterial(
             dissipation=float(dissipation),

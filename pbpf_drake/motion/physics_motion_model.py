@@ -1,13 +1,10 @@
 """The physics-based motion model of PBPF (Section 4.1).
 
-x̄ = f_θ(x, u): every particle has a context of the contact model that was
-cloned with a θ of its own; links and objects are set, and physics runs.
+x̄ = f_θ(x, u): each particle has a θ, which is in a context of its own. The
+links of the robot and the objects are put where they are, and physics runs.
 """
 
-from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-import itertools
-from typing import Any
 
 import numpy as np
 from pydrake.systems.framework import Context
@@ -17,23 +14,30 @@ from pbpf_drake.motion.fixed_contacts import FixedContacts
 from pbpf_drake.motion.link_reach import link_distances
 from pbpf_drake.motion.motion_model import MotionInput, MotionResult
 from pbpf_drake.motion.parameter_bank import DrawParameterBank, deal_parameters
+from pbpf_drake.motion.particle_groups import deal_out, group_by_links
+from pbpf_drake.motion.particle_jobs import (
+    PushOutJob,
+    RunOnCrew,
+    SimulatedParticles,
+    SimulationJob,
+)
 from pbpf_drake.motion.particle_physics import ParticlePhysics
 from pbpf_drake.motion.particle_simulation import choose_time_step
 from pbpf_drake.motion.penetration import TOUCH
 from pbpf_drake.motion.penetration_check import PenetrationCheck
 from pbpf_drake.motion.physical_parameters import PhysicalParameters
-from pbpf_drake.motion.robot_links import RobotLinks
-from pbpf_drake.motion.simulator_pool import Links
+from pbpf_drake.motion.robot_links import LinkMotion, RobotLinks
 from pbpf_drake.motion.support import find_supports
 from pbpf_drake.poses import quaternions
 from pbpf_drake.process_crew import Crew
 from pbpf_drake.scene.prediction_model import PredictionModel
 from pbpf_drake.shapes.bounding_boxes import MakeBoundingBoxes
 
-# A link that stays further away than this from where an object can be is not
-# simulated (in meters).
+# A link is simulated only if it comes at least this near to where an object can
+# be (in meters).
 _REACH = 0.01
-# Where objects wait that are not tracked yet: out of everybody's way.
+# Objects that are not tracked yet wait up here, this far apart, out of the way
+# of everything (in meters).
 _PARKING_HEIGHT = 1e3
 _PARKING_SPACING = 1e2
 
@@ -44,22 +48,22 @@ class PhysicsScratch:
 
     Attributes:
         kinematics: a context of the prediction model's plant.
-        crew: who simulates particles.
+        crew: the processes that simulate particles.
     """
 
     kinematics: Context
-    crew: Crew
+    crew: Crew[ParticlePhysics]
 
 
 class PhysicsMotionModel:
     """Predicts particles by simulating them.
 
-    Writing θ into a context takes longer than simulating the particle. So M
-    draws of θ are written once, when their contexts are made, and each step
-    deals them out to the particles anew, by a random permutation: every
-    particle gets a fresh θ of the same distribution at every step.
+    It takes longer to write θ into a context than to simulate the particle. So
+    M draws of θ are written once, when their contexts are made. At each step
+    they are dealt out to the particles anew, by a random permutation: every
+    particle gets another θ of the same distribution at every step.
 
-    Of the robot, only the links that come near the objects are simulated.
+    Only those links of the robot are simulated that come near the objects.
     """
 
     def __init__(
@@ -67,12 +71,12 @@ class PhysicsMotionModel:
     ) -> None:
         self._model = model
         self._config = config
-        self._links = RobotLinks(model=model)
-        self._objects = MakeBoundingBoxes(
+        self._robot_links = RobotLinks(model=model)
+        self._object_boxes = MakeBoundingBoxes(
             model.diagram.scene_graph().model_inspector(),
             [model.geometries(body) for body in model.models.objects],
         )
-        self._radii = self._objects.radii(len(model.models.objects))
+        self._radii = self._object_boxes.radii(len(model.models.objects))
         self._contacts = FixedContacts(model)
         self._check = PenetrationCheck(model=model, contacts=self._contacts)
         self._parameters = DrawParameterBank(config, len(model.models.objects))
@@ -86,7 +90,7 @@ class PhysicsMotionModel:
         return deal_parameters(self._config, step)
 
     def MakeScratch(self) -> PhysicsScratch:
-        """Returns a crew whose contexts are made when first used."""
+        """Returns work space, most of which is made when first used."""
         return PhysicsScratch(
             kinematics=self._model.diagram.plant().CreateDefaultContext(),
             crew=Crew(
@@ -99,41 +103,26 @@ class PhysicsMotionModel:
         self, motion: MotionInput, scratch: PhysicsScratch
     ) -> MotionResult:
         """Returns f_θ(x_{t-1}, u_t); see MotionModel."""
-        links = self._links.Motion(motion.path, scratch.kinematics)
+        link_motion = self._robot_links.Motion(motion.path, scratch.kinematics)
         speeds = self._Speeds(motion)
-        margin = _REACH + links.travel + speeds * links.times[-1]
-        velocities = np.where(motion.active[:, None], motion.velocities, 0.0)
-        steps = choose_time_step(
-            np.maximum(speeds, links.speed),
-            max_travel=self._config.max_travel,
-            max_step=self._config.time_step,
+        distances = self._LinkDistances(
+            motion.poses,
+            motion.active,
+            link_motion.poses,
+            _REACH + link_motion.travel + speeds * link_motion.times[-1],
         )
-        poses = self._Park(motion.poses, motion.active)
-        end = np.full_like(poses, np.nan), np.full_like(velocities, np.nan)
-        distances = self._Distances(
-            motion.poses, motion.active, links.poses, margin
+        job = self._MakeSimulationJob(motion, link_motion, speeds)
+        end = SimulatedParticles(
+            poses=np.full_like(job.poses, np.nan),
+            velocities=np.full_like(job.velocities, np.nan),
         )
-        everyone = np.ones(len(poses), dtype=bool)
+        groups = group_by_links(distances, np.ones(len(job.poses), dtype=bool))
         # Each process has the contexts of its own draws.
-        draws = self.assignment(motion.step)[: len(poses)]
-        for members, result in _spread(
-            scratch.crew,
-            ParticlePhysics.Simulate,
-            lambda chosen, members: {
-                "chosen": chosen,
-                "poses": poses[members],
-                "velocities": velocities[members],
-                "links": links.of(chosen),
-                "time_steps": steps[members],
-                "active": motion.active,
-                "max_travel": self._config.max_travel,
-                "draws": draws[members],
-            },
-            groups=_groups(distances, everyone),
-            numbers=draws,
-        ):
-            end[0][members], end[1][members] = result
-        return self._Result(motion, *end)
+        shares = deal_out(groups, job.draws, scratch.crew.size)
+        for members, result in RunOnCrew(scratch.crew, shares, job.of):
+            end.poses[members] = result.poses
+            end.velocities[members] = result.velocities
+        return self._MakeResult(motion, end)
 
     def ResolvePenetration(
         self,
@@ -144,29 +133,56 @@ class PhysicsMotionModel:
         scratch: PhysicsScratch,
     ) -> np.ndarray:
         """Pushes the objects out of what they penetrate; see MotionModel."""
-        link_poses = self._links.Poses(robot_positions, scratch.kinematics)
-        distances = self._Distances(
+        link_poses = self._robot_links.Poses(
+            robot_positions, scratch.kinematics
+        )
+        distances = self._LinkDistances(
             poses, known, link_poses[None], np.full(len(poses), _REACH)
         )
         deep = (distances < -TOUCH).any(axis=1)
         deep |= self._check.MayPenetrate(poses, known)
-        resolved, parked = poses.copy(), self._Park(poses, known)
-        for members, result in _spread(
-            scratch.crew,
-            ParticlePhysics.PushOut,
-            lambda chosen, members: {
-                "chosen": chosen,
-                "link_poses": link_poses[list(chosen)],
-                "poses": parked[members],
-                "supports": supports[members],
-            },
-            groups=_groups(distances, deep),
-            numbers=np.arange(len(poses)),
-        ):
+        job = PushOutJob(
+            link_set=tuple(range(len(link_poses))),
+            link_poses=link_poses,
+            poses=self._Park(poses, known),
+            supports=supports,
+        )
+        resolved = poses.copy()
+        shares = deal_out(
+            group_by_links(distances, deep),
+            np.arange(len(poses)),
+            scratch.crew.size,
+        )
+        for members, result in RunOnCrew(scratch.crew, shares, job.of):
             resolved[np.ix_(members, known)] = result[:, known]
         return resolved
 
-    def _Distances(
+    def _MakeSimulationJob(
+        self, motion: MotionInput, link_motion: LinkMotion, speeds: np.ndarray
+    ) -> SimulationJob:
+        """Returns the job of all particles, with all links.
+
+        Args:
+            motion: from which the particles start.
+            link_motion: of all links.
+            speeds: (M,) from _Speeds.
+        """
+        return SimulationJob(
+            link_set=tuple(range(link_motion.poses.shape[1])),
+            link_motion=link_motion,
+            poses=self._Park(motion.poses, motion.active),
+            velocities=np.where(motion.active[:, None], motion.velocities, 0.0),
+            active=motion.active,
+            time_steps=choose_time_step(
+                np.maximum(speeds, link_motion.speed),
+                max_travel=self._config.max_travel,
+                max_step=self._config.time_step,
+            ),
+            max_travel=self._config.max_travel,
+            draws=self.assignment(motion.step)[: len(motion.poses)],
+        )
+
+    def _LinkDistances(
         self,
         poses: np.ndarray,
         active: np.ndarray,
@@ -174,10 +190,10 @@ class PhysicsMotionModel:
         margin: np.ndarray,
     ) -> np.ndarray:
         return link_distances(
-            objects=self._objects,
+            object_boxes=self._object_boxes,
             poses=poses,
             active=active,
-            links=self._links.boxes,
+            link_boxes=self._robot_links.boxes,
             link_poses=link_poses,
             margin=margin,
         )
@@ -190,10 +206,11 @@ class PhysicsMotionModel:
         corners = speed + spin * self._radii[motion.active]
         return corners.max(axis=1, initial=0.0)
 
-    def _Result(
-        self, motion: MotionInput, poses: np.ndarray, velocities: np.ndarray
+    def _MakeResult(
+        self, motion: MotionInput, end: SimulatedParticles
     ) -> MotionResult:
-        """Returns the result, in which what failed has its old pose."""
+        """Returns the result, in which what failed is as it was before."""
+        poses, velocities = end.poses, end.velocities
         active = motion.active[:, None]
         finite = np.isfinite(poses).all(axis=(1, 2))
         finite &= np.isfinite(velocities).all(axis=(1, 2))
@@ -214,63 +231,8 @@ class PhysicsMotionModel:
         )
 
     def _Park(self, poses: np.ndarray, active: np.ndarray) -> np.ndarray:
-        """Returns (M, K, 7), with objects that aren't tracked yet away."""
+        """Returns poses (M, K, 7) in which untracked objects are far away."""
         poses = poses.copy()
         for k in np.flatnonzero(~active):
             poses[:, k] = [1, 0, 0, 0, k * _PARKING_SPACING, 0, _PARKING_HEIGHT]
         return poses
-
-
-def _groups(
-    distances: np.ndarray, which: np.ndarray
-) -> Iterator[tuple[Links, np.ndarray]]:
-    """Yields links and the particles that they come near, then the rest.
-
-    All that are near any link get the same links: each set of links costs
-    M contexts.
-
-    Args:
-        distances: (M, L) from link_distances.
-        which: (M,) the particles in question.
-    """
-    near = np.isfinite(distances) & which[:, None]
-    chosen = tuple(int(j) for j in np.flatnonzero(near.any(axis=0)))
-    reached = near.any(axis=1)
-    for links, members in ((chosen, reached), ((), which & ~reached)):
-        if members.any():
-            yield links, np.flatnonzero(members)
-
-
-def _spread(
-    crew: Crew,
-    function: Callable[..., Any],
-    arguments: Callable[[Links, np.ndarray], dict[str, Any]],
-    *,
-    groups: Iterable[tuple[Links, np.ndarray]],
-    numbers: np.ndarray,
-) -> Iterator[tuple[np.ndarray, Any]]:
-    """Yields particles and what a function makes of them, all in one go.
-
-    Args:
-        crew: the processes that call it.
-        function: a method of ParticlePhysics.
-        arguments: returns those of links and indices of particles.
-        groups: links and particles, from _groups.
-        numbers: (M,) by which the particles are dealt out to the processes.
-    """
-    every, owners = list(groups), numbers % crew.size
-    shares = [
-        [
-            (chosen, members[owners[members] == i])
-            for chosen, members in every
-            if (owners[members] == i).any()
-        ]
-        for i in range(crew.size)
-    ]
-    results = crew.Run(
-        function, [[arguments(*part) for part in share] for share in shares]
-    )
-    for (_, members), result in zip(
-        itertools.chain(*shares), itertools.chain(*results), strict=True
-    ):
-        yield members, result

@@ -8,8 +8,8 @@ from pydrake.multibody.tree import RigidBody
 
 from pbpf_drake.poses import quaternions
 
-# An object is slid along its support where that is at most twice as far as
-# along the normal.
+# An object slides along its support only if it is pushed within 45° of it. This
+# is cos² 45°.
 _MIN_SLIDE = 0.5
 
 
@@ -59,12 +59,12 @@ def push_on_support(
 ) -> np.ndarray:
     """Returns where objects go that are pushed at a point each, (..., 7).
 
-    They slide along their support and turn about its normal, both as an
-    impulse at the point and along the normal would make them: that is the
-    motion of the least kinetic energy that moves the point out. Moved without
-    turning, what is pushed off its centre would turn less than it really does.
-    What stands on nothing, or is pushed into its support or off it, is moved
-    along the normal without turning.
+    They slide along their support and turn about its normal, as if an impulse
+    acted at the point, along the normal of the push. Of all motions that take
+    the point as far, this has the least kinetic energy. Without turning,
+    objects that are pushed off their centres would turn less than real ones.
+    An object that stands on nothing, or is pushed into its support or off it,
+    is moved along the normal of the push, without turning.
 
     Args:
         X_WO: (..., 7): qw qx qy qz, x y z (in meters).
@@ -90,7 +90,7 @@ def push_on_support(
     angle = np.where(slides, impulse * torque / squared_radius, 0.0)
     turn = quaternions.from_rotation_vector(angle[..., None] * supports)
     shift = impulse[..., None] * np.where(slides[..., None], along, normals)
-    # The centre of mass is what shifts.
+    # It is the centre of mass that moves by the shift.
     p_WN = p_WO + shift + p_OCm_W - quaternions.rotate(turn, p_OCm_W)
     q_N = quaternions.normalize(quaternions.multiply(turn, q))
     return np.where(

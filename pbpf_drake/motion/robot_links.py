@@ -1,8 +1,8 @@
 """How the links of the robot move while its joints follow their path.
 
-The robot's motion is measured and common to all particles, so nothing about
-it has to be simulated. The poses of its links are calculated once; between
-them each link moves at a steady velocity.
+The robot's motion is measured and the same for all particles, so it needn't be
+simulated. The poses of its links are calculated once, at some times; between
+these each link moves at a steady velocity.
 """
 
 from collections.abc import Sequence
@@ -17,17 +17,22 @@ from pbpf_drake.poses import quaternions
 from pbpf_drake.scene.prediction_model import PredictionModel
 from pbpf_drake.shapes.bounding_boxes import BoundingBoxes, MakeBoundingBoxes
 
-# How far any part of a link may be from where it was (in meters).
+# How far any part of a link may be from where it really was (in meters).
 _TOLERANCE = 5e-4
+
+# Some of the robot's links, in ascending order: indices into
+# PredictionModel.links.
+LinkSet = tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class LinkMotion:
-    """Steady motions of L links, one after the other.
+    """The motion of L links in S - 1 pieces, each at a steady velocity.
 
     Attributes:
-        times: (S,) from 0, ascending, in whole ticks (in seconds).
-        poses: (S, L, 7) of the links: qw qx qy qz, x y z (in meters).
+        times: (S,) at which pieces begin and end: from 0, ascending, in whole
+            ticks (in seconds).
+        poses: (S, L, 7) of the links then: qw qx qy qz, x y z (in meters).
         velocities: (S - 1, L, 6) in between: angular (rad/s), then
             translational (m/s), in the world.
         speed: the highest of any part of a link (in m/s).
@@ -40,9 +45,9 @@ class LinkMotion:
     speed: float
     travel: float
 
-    def of(self, links: Sequence[int]) -> "LinkMotion":
-        """Returns the motion of some of the links."""
-        rows = list(links)
+    def of(self, link_set: Sequence[int]) -> "LinkMotion":
+        """Returns the motion of some of the links, by their indices."""
+        rows = list(link_set)
         return replace(
             self, poses=self.poses[:, rows], velocities=self.velocities[:, rows]
         )
@@ -113,7 +118,7 @@ class RobotLinks:
 
 
 def _velocities(times: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """Returns the steady velocities (S - 1, L, 6) from pose to pose."""
+    """Returns the steady velocities from pose to pose, (S - 1, L, 6)."""
     q, p = poses[..., :4], poses[..., 4:]
     turn = quaternions.multiply(q[1:], quaternions.conjugate(q[:-1]))
     change = np.concatenate(

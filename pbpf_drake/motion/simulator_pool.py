@@ -1,48 +1,49 @@
-"""One simulator per particle, for each set of links that is near.
+"""One simulator for each draw of θ and each set of links that is near.
 
-The pool is scratch space: every call sets everything that it depends on, so
-it has no memory.
+Nothing of what a simulator did before may count: whoever uses one sets all that
+the result depends on.
 """
 
 from collections.abc import Callable
 
 from pydrake.systems.analysis import Simulator
 
-# Which links of the robot a simulator has.
-Links = tuple[int, ...]
+from pbpf_drake.motion.robot_links import LinkSet
+
 # Simulators are kept for this many sets of links.
-_MAX_LINKS = 4
+_MAX_LINK_SETS = 4
 
 
-class PredictionPool:
-    """Holds a simulator for each particle; made at first use.
+class SimulatorPool:
+    """Keeps simulators, which are made when first used.
 
     Args:
-        make: makes a simulator, of some links and of a particle's index.
+        make: makes the simulator of a set of links and a draw of θ.
     """
 
-    def __init__(self, make: Callable[[Links, int], Simulator]) -> None:
+    def __init__(self, make: Callable[[LinkSet, int], Simulator]) -> None:
         self._make = make
-        self._simulators: dict[Links, dict[int, Simulator]] = {}
+        self._simulators: dict[LinkSet, dict[int, Simulator]] = {}
 
-    def Simulators(self, links: Links) -> "Simulators":
+    def Simulators(self, link_set: LinkSet) -> "Simulators":
         """Returns the simulators with these links.
 
-        Those that were not asked for the longest may be given up.
+        If there are simulators for too many sets of links, those of the set
+        that was asked for the longest ago are given up.
         """
-        kept = self._simulators.pop(links, {})
-        self._simulators[links] = kept
-        while len(self._simulators) > _MAX_LINKS:
+        kept = self._simulators.pop(link_set, {})
+        self._simulators[link_set] = kept
+        while len(self._simulators) > _MAX_LINK_SETS:
             self._simulators.pop(next(iter(self._simulators)))
-        return Simulators(lambda index: self._make(links, index), kept)
+        return Simulators(lambda draw: self._make(link_set, draw), kept)
 
 
 class Simulators:
-    """The simulators of all particles, with the same links.
+    """The simulators of all draws of θ, with the same links.
 
     Args:
-        make: makes the simulator of a particle, by its index.
-        kept: those that were made before; extended.
+        make: makes the simulator of a draw.
+        kept: those that were made before, by draw; new ones are added.
     """
 
     def __init__(
@@ -51,12 +52,12 @@ class Simulators:
         self._make = make
         self._kept = kept
 
-    def Get(self, index: int) -> Simulator:
-        """Returns the simulator of a particle."""
-        if index not in self._kept:
-            self._kept[index] = self._make(index)
-        return self._kept[index]
+    def Get(self, draw: int) -> Simulator:
+        """Returns the simulator of a draw."""
+        if draw not in self._kept:
+            self._kept[draw] = self._make(draw)
+        return self._kept[draw]
 
-    def Discard(self, index: int) -> None:
-        """Makes the particle's next simulator a new one."""
-        self._kept.pop(index, None)
+    def Discard(self, draw: int) -> None:
+        """Gives up the simulator of a draw; Get makes a new one."""
+        self._kept.pop(draw, None)

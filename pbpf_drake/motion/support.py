@@ -1,18 +1,19 @@
-"""Which objects stand on something fixed, and in which direction it carries.
+"""Which objects stand on something fixed, and the normal of what carries them.
 
-An object at rest on a table can slide and turn on it, but noise that lifts or
-tilts it would only make it fall back. So noise is restricted to what the
-support leaves free.
+An object at rest on a table can slide and turn on it. Noise that lifts or tilts
+it would only make it fall back, so noise leaves it on its support.
 """
 
 import numpy as np
 
 from pbpf_drake.motion.fixed_contacts import PointContacts
 
-# A support is flat where the normals of its contacts agree (cos of 3°) ...
+# A support is flat if the normals of its contacts differ by at most 3° from
+# their mean. This is cos 3°.
 _SAME_DIRECTION = 0.9986
-# ... and its contacts are this far from lying on one line (in meters).
-_SPREAD = 2e-3
+# It also needs a contact at least this far from the line through two others (in
+# meters).
+_MIN_WIDTH = 2e-3
 
 
 def find_supports(
@@ -20,11 +21,11 @@ def find_supports(
 ) -> np.ndarray:
     """Returns the flat support of every object of M particles, (M, K, 3).
 
-    It is the unit normal of at least three contacts that agree in direction
-    and are not on one line; zeros where there is no such support.
+    A support is given by its unit normal. It has at least three contacts, which
+    agree in direction and are not on one line. Zeros stand for no support.
 
     Args:
-        contacts: with fixed models.
+        contacts: of the objects with fixed models.
         num_particles: M.
         num_objects: K.
     """
@@ -62,10 +63,11 @@ def support_normals(
     index = np.where(is_furthest, np.arange(len(points)), len(points))
     direction = offsets[np.minimum.reduceat(index, first)]
     dot = np.sum(offsets * np.repeat(direction, counts, axis=0), axis=1)
-    # Squared distances from the line to the furthest point, times its length.
+    # The squared distances from the line through the first and the furthest
+    # point, times the squared length of that line.
     across = squared * np.repeat(furthest, counts) - dot * dot
-    spread = np.maximum.reduceat(across, first) >= _SPREAD**2 * furthest
-    flat = (counts >= 3) & (length > 0) & agree & spread & (furthest > 0)
+    wide = np.maximum.reduceat(across, first) >= _MIN_WIDTH**2 * furthest
+    flat = (counts >= 3) & (length > 0) & agree & wide & (furthest > 0)
     return (
         np.where(flat[:, None], total, 0.0) / np.where(flat, length, 1)[:, None]
     )

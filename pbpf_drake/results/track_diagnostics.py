@@ -130,7 +130,7 @@ def _visibility(
             continue
         scores = model.Score(
             particles=record.poses[i, None],
-            active=tracked,
+            known=tracked,
             robot_positions=np.array(q),
             rng=MakeGenerator(
                 seed=record.seed, step=i + 1, stream=Stream.RAY_TARGETS

@@ -34,6 +34,27 @@ def project_points(p_C: np.ndarray, camera: CameraConfig) -> np.ndarray:
     return p_C[..., :2] / p_C[..., 2:] * focal + centre
 
 
+def in_image(p_C: np.ndarray, camera: CameraConfig) -> np.ndarray:
+    """Returns which points the image has a pixel for, (...).
+
+    The centre of the first pixel is (0, 0), so that the image reaches from
+    -0.5 to width - 0.5 and height - 0.5, as in ROS, OpenCV and Drake.
+
+    Args:
+        p_C: points in the camera's frame (in meters), (..., 3).
+        camera: its intrinsics.
+    """
+    ahead = p_C[..., 2] > 0
+    z = np.where(ahead, p_C[..., 2], 1.0)
+    # As 0.5 is added first, this is not rounded like project_points(p_C) + 0.5,
+    # and at the very edge of the image the two may differ.
+    u = camera.cx + 0.5 + camera.fx * p_C[..., 0] / z
+    v = camera.cy + 0.5 + camera.fy * p_C[..., 1] / z
+    return (
+        ahead & (u >= 0) & (u < camera.width) & (v >= 0) & (v < camera.height)
+    )
+
+
 def project_segments(
     segments_W: np.ndarray, camera: CameraConfig
 ) -> np.ndarray:

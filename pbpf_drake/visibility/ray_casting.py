@@ -21,18 +21,17 @@ from pbpf_drake.poses import quaternions
 from pbpf_drake.visibility.ray_culling import (
     along,
     coordinates,
-    ends_behind,
-    near_ball,
-    near_cones,
+    may_enter_box,
+    may_hit_ball,
+    may_hit_balls,
 )
 from pbpf_drake.visibility.ray_shapes import MakeRayShape
 
 
 class OccluderSet:
-    """Geometries that are the same for all rays, such as a robot's.
+    """Geometries that are at the same place for all rays, such as a robot's.
 
-    It keeps the shapes, so that casting again only asks for their poses. It
-    never changes.
+    It never changes. It keeps the shapes, so each cast only needs their poses.
     """
 
     def __init__(
@@ -77,7 +76,7 @@ class OccluderSet:
         ways = coordinates((targets - origin).reshape(-1, num_rays, 3))
         X_WG = [query_object.GetPoseInWorld(id) for id in self._ids]
         p_OG = np.array([X.translation() for X in X_WG]) - origin
-        near = near_cones(ways, p_OG[:, None], self._radii[:, None])
+        near = may_hit_balls(ways, p_OG[:, None], self._radii[:, None])
         rays = np.arange(first.size).reshape(ways.shape[1:])
         t = first.reshape(-1)
         for i in np.flatnonzero(near.any(axis=1)).tolist():
@@ -102,8 +101,8 @@ class OccluderSet:
         """
         shape, R_WG = self._shapes[i], X_WG.rotation().matrix()
         o = -p_OG @ R_WG
-        may_hit = ends_behind(d, o, R_WG, shape.bounds)
-        may_hit &= near_ball(d, p_OG, shape.bounding_radius)
+        may_hit = may_enter_box(d, o, R_WG, shape.bounds)
+        may_hit &= may_hit_ball(d, p_OG, shape.bounding_radius)
         chosen = np.flatnonzero(may_hit)
         if not len(chosen):
             return chosen, np.zeros(0)
@@ -183,10 +182,10 @@ class RayBody:
 
 
 def _turned(d: np.ndarray, R: np.ndarray) -> np.ndarray:
-    """Returns d (3, ...) in another frame, (..., 3).
+    """Returns vectors in another frame, (..., 3).
 
     Args:
-        d: vectors in A.
+        d: (3, ...) the vectors in a frame A.
         R: (..., 3, 3) R_AB of the other frame B.
     """
     turned = np.stack([along(d, R[..., i]) for i in range(3)])

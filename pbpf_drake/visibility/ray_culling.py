@@ -1,67 +1,68 @@
 """Which rays can't hit a shape, found with less work than casting them.
 
-All rays start at the origin here, and end at their targets. Whatever is not
-sure counts as a possible hit, so that leaving out the others changes nothing.
+All rays start at one point, here the origin, and end at their targets. In doubt
+a ray may hit, so that it changes nothing to leave out those that can't.
 """
 
 import numpy as np
 
 from pbpf_drake.visibility.ray_shapes import Interval
 
-# What is this near counts as a possible hit: far above rounding errors (in
+# A ray that comes this near may hit. It is far more than rounding errors (in
 # meters).
 _SLACK = 1e-6
 
 
 def coordinates(vectors: np.ndarray) -> np.ndarray:
-    """Returns (3, ...) of vectors (..., 3): much faster to calculate with."""
+    """Returns (3, ...) of vectors (..., 3): it is faster to calculate with."""
     return np.ascontiguousarray(np.moveaxis(vectors, -1, 0))
 
 
 def along(d: np.ndarray, n: np.ndarray) -> np.ndarray:
     """Returns n · d of vectors d (3, ...) and n (..., 3), (...).
 
-    It has the same bits, however many vectors there are, as a matrix product
-    wouldn't.
+    Unlike a matrix product, it has the same bits however many vectors there
+    are.
     """
     return d[0] * n[..., 0] + d[1] * n[..., 1] + d[2] * n[..., 2]
 
 
-def near_cones(
+def may_hit_balls(
     ways: np.ndarray, p_OG: np.ndarray, radii: np.ndarray
 ) -> np.ndarray:
-    """Returns for which groups of rays any may hit which ball, (G, N).
+    """Returns whether any ray of a group may hit a ball, (G, N).
 
     All targets of a group are within ρ of their middle, so all its rays are
     within ρ of the line to there.
 
     Args:
-        ways: (3, N, R) from the rays' origin to their targets.
-        p_OG: (G, 1 or N, 3) from there to the balls' centres.
+        ways: (3, N, R) from the origin to the targets of N groups.
+        p_OG: (G, 1 or N, 3) from the origin to the centres of G balls.
         radii: (G, 1 or N) of the balls.
     """
     low, high = ways.min(axis=-1).T, ways.max(axis=-1).T
     middle = (low + high) / 2
-    spread = np.linalg.norm(high - low, axis=-1) / 2
+    rho = np.linalg.norm(high - low, axis=-1) / 2
     length = np.einsum("ni,ni->n", middle, middle)
     u = (p_OG * middle).sum(axis=-1) / np.maximum(length, 1e-300)
     beside = p_OG - np.clip(u, 0.0, 1.0)[..., None] * middle
-    reach = radii + spread + _SLACK
+    reach = radii + rho + _SLACK
     return np.einsum("gni,gni->gn", beside, beside) <= reach**2
 
 
-def ends_behind(
+def may_enter_box(
     d: np.ndarray, o: np.ndarray, R_WG: np.ndarray, bounds: Interval
 ) -> np.ndarray:
-    """Returns which rays end behind the side of a box that they start at, (N,).
+    """Returns which rays get past the side of a box that faces them, (N,).
 
-    The others can't have met anything in the box before.
+    The others end before they could meet anything in the box. Where the rays
+    start in the box, all may hit.
 
     Args:
         d: (3, N) of the rays, in the world.
         o: (3,) where they start, in the box's frame G.
-        R_WG: (3, 3) of G.
-        bounds: the lowest and the highest coordinates in G.
+        R_WG: (3, 3) the rotation of G.
+        bounds: the lowest and the highest coordinates of the box in G.
     """
     low, high = bounds
     outside = np.stack([low - o, o - high])
@@ -72,7 +73,7 @@ def ends_behind(
     return along(d, n) <= _SLACK - outside[side, axis]
 
 
-def near_ball(d: np.ndarray, p_OG: np.ndarray, radius: float) -> np.ndarray:
+def may_hit_ball(d: np.ndarray, p_OG: np.ndarray, radius: float) -> np.ndarray:
     """Returns which rays from 0 along d (3, N) may hit a ball, (N,)."""
     distance = float(np.linalg.norm(p_OG))
     if distance <= radius:

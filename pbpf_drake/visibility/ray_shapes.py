@@ -25,8 +25,8 @@ from pydrake.geometry import (
     Sphere,
 )
 
-# Takes the place of a zero that is divided by: quotients become huge, with
-# the right sign, and do not overflow.
+# Divisions are by this instead of zero: quotients get huge, with the right
+# sign, and do not overflow.
 _TINY = 1e-300
 
 Interval = tuple[np.ndarray, np.ndarray]
@@ -250,7 +250,7 @@ def _make_polytope(hull: PolygonSurfaceMesh) -> RayPolytope:
 
 
 def _entry(t_in: np.ndarray, t_out: np.ndarray) -> np.ndarray:
-    """Returns where the ray enters what its line is in from t_in to t_out."""
+    """Returns where a ray enters what its line is in from t_in to t_out."""
     hit = (t_in <= t_out) & (t_out >= 0)
     return np.where(hit, np.maximum(t_in, 0.0), np.inf)
 

@@ -31,10 +31,10 @@ def _near(model, x_probe, x_block, *, margin, active=(True, True), x_soup=5.0):
     poses[:, 0, 4] = x_block
     poses[:, 1, 4] = x_soup
     distances = link_distances(
-        objects=_objects(model),
+        object_boxes=_objects(model),
         poses=poses,
         active=np.array(active),
-        links=links.boxes,
+        link_boxes=links.boxes,
         link_poses=np.stack([links.Poses([x, 0.0], context) for x in x_probe]),
         margin=np.full(len(x_block), margin),
     )
@@ -56,10 +56,10 @@ def test_the_distance_is_that_of_the_boxes(model):
     poses[:, 0, 4] = TOUCHING + np.array(gaps)
     poses[:, 1, 4] = 5.0
     found = link_distances(
-        objects=_objects(model),
+        object_boxes=_objects(model),
         poses=poses,
         active=np.ones(2, dtype=bool),
-        links=links.boxes,
+        link_boxes=links.boxes,
         link_poses=links.Poses(np.zeros(2), context)[None],
         margin=np.full(3, 0.01),
     )

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.scene_config import LoadScene
-from pbpf_drake.motion.particle_plant import MakeContactModel
+from pbpf_drake.motion.particle_plant import MakeParticlePlant
 from pbpf_drake.motion.particle_simulation import choose_time_step
 from pbpf_drake.poses import quaternions
 from pbpf_drake.scene.prediction_model import MakePredictionModel
@@ -273,8 +273,8 @@ def test_a_model_has_the_links_that_it_was_asked_for():
     model = MakePredictionModel(LoadScene(SCENES / "cheezit_1.yaml"))
     counts = []
     for links in (), (8, 9, 10), range(len(model.links)):
-        contact = MakeContactModel(model, links)
-        assert contact.links == tuple(links)
+        contact = MakeParticlePlant(model, links)
+        assert contact.link_set == tuple(links)
         assert contact.link_q.shape == (len(links), 7)
         counts.append(contact.diagram.plant().num_positions())
     assert counts == [7 + 7 * n for n in (0, 3, len(model.links))]

@@ -49,14 +49,14 @@ def _simulate(simulation, velocities, time_step: float = 0.01):
         simulation.contact,
         poses=poses[None],
         velocities=velocities[None],
-        links=links,
+        link_motion=links,
     )
     (step,) = choose_time_step(np.zeros(1), max_travel=1e-3, max_step=time_step)
     end = simulate(
         simulation.contact,
         simulation.simulator,
         state=state,
-        links=links,
+        link_motion=links,
         time_step=step,
         fall_limit=_fall_limit(simulation),
     )
@@ -121,13 +121,13 @@ def test_what_falls_takes_shorter_steps(max_travel, sinks):
         simulation.contact,
         poses=np.array([[[*FLAT, 0.0, 0.0, height]]]),
         velocities=np.zeros((1, 1, 6)),
-        links=links,
+        link_motion=links,
     )
     end = simulate(
         simulation.contact,
         simulation.simulator,
         state=state,
-        links=links,
+        link_motion=links,
         time_step=float(to_ticks(0.04)),
         fall_limit=_fall_limit(simulation, max_travel),
     )

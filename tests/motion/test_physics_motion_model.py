@@ -153,7 +153,7 @@ def test_the_robot_ends_where_its_path_ends(block):
     dut = PhysicsMotionModel(model=block, config=_config(6))
     poses, scratch = blocks_in_the_way(6), dut.MakeScratch()
     dut.Propagate(make_motion(poses, still(poses), path), scratch)
-    links = scratch.crew._target._pool.Simulators((0,))
+    links = scratch.crew.worker.Simulators((0,))
     for m in range(6):
         context = links.Get(m).get_context()
         x = context.get_continuous_state_vector().CopyToVector()

@@ -1,15 +1,15 @@
-from pbpf_drake.motion.simulator_pool import PredictionPool
+from pbpf_drake.motion.simulator_pool import SimulatorPool
 
 
-def _make_pool() -> tuple[PredictionPool, list]:
-    """Returns a pool of strings, and the indices that it has made."""
+def _make_pool() -> tuple[SimulatorPool, list]:
+    """Returns a pool of strings, and the sets and draws they are made of."""
     made: list[tuple[tuple[int, ...], int]] = []
 
-    def make(links: tuple[int, ...], index: int) -> str:
-        made.append((links, index))
-        return f"simulator {index} with {links}"
+    def make(link_set: tuple[int, ...], draw: int) -> str:
+        made.append((link_set, draw))
+        return f"simulator {draw} with {link_set}"
 
-    return PredictionPool(make), made
+    return SimulatorPool(make), made
 
 
 def test_a_simulator_is_made_when_it_is_first_used_and_kept():
@@ -33,11 +33,11 @@ def test_what_is_discarded_is_made_anew():
 
 def test_the_links_that_were_not_used_the_longest_are_given_up():
     pool, made = _make_pool()
-    for links in [(0,), (1,), (2,), (0,), (3,), (4,)]:
-        pool.Simulators(links).Get(0)
+    for link_set in [(0,), (1,), (2,), (0,), (3,), (4,)]:
+        pool.Simulators(link_set).Get(0)
     assert len(made) == 5
-    for links in (0,), (2,), (3,), (4,):
-        pool.Simulators(links).Get(0)
+    for link_set in (0,), (2,), (3,), (4,):
+        pool.Simulators(link_set).Get(0)
     assert len(made) == 5
     pool.Simulators((1,)).Get(0)
     assert len(made) == 6

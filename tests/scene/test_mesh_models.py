@@ -16,7 +16,7 @@ from pydrake.geometry import Mesh
 import pytest
 
 from pbpf_drake.config.scene_config import LoadScene, Scene
-from pbpf_drake.motion.particle_plant import MakeContactModel
+from pbpf_drake.motion.particle_plant import MakeParticlePlant
 from pbpf_drake.scene.prediction_model import MakePredictionModel
 from pbpf_drake.shapes.surface_sampling import MakeSurface
 
@@ -131,7 +131,7 @@ def test_collision_shape_is_the_hull_with_points_at_its_corners(scene):
     (geometry,) = model.geometries(model.models.objects[0])
     shape = model.diagram.scene_graph().model_inspector().GetShape(geometry)
     assert isinstance(shape, Mesh)
-    contact = MakeContactModel(model, ())
+    contact = MakeParticlePlant(model, ())
     inspector = contact.diagram.scene_graph().model_inspector()
     points = [inspector.GetPoseInFrame(p).translation() for p in contact.points]
     for corner in CORNERS:

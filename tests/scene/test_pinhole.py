@@ -7,6 +7,7 @@ from pbpf_drake.config.scene_config import CameraConfig
 from pbpf_drake.scene.pinhole import (
     clip_segments,
     in_camera,
+    in_image,
     project_points,
     project_segments,
 )
@@ -62,11 +63,20 @@ def test_half_of_a_segment_that_crosses_a_plane_is_kept():
     assert len(found) == 3
 
 
+def test_in_image_ends_half_a_pixel_beyond_the_outer_pixels_centres():
+    camera = CameraConfig(width=4, height=2, fx=1, fy=1, cx=0, cy=0)
+    inside = [[-0.49, -0.49, 1], [3.49, 1.49, 1], [6.9, 2.9, 2]]
+    outside = [[-0.51, 0, 1], [0, -0.51, 1], [3.51, 0, 1], [0, 1.51, 1]]
+    assert np.all(in_image(np.array(inside), camera))
+    assert not np.any(in_image(np.array(outside), camera))
+    assert not np.any(in_image(np.array([[0, 0, -1.0], [0, 0, 0]]), camera))
+
+
 def test_no_segments_have_no_parts():
     assert project_segments(np.empty((0, 2, 3)), _camera()).shape == (0, 2, 2)
 
 
-def _in_image(p_C):
+def _see(p_C):
     """Tells of points if a pinhole sees them, near the camera or far."""
     pixels = project_points(np.where(p_C[:, 2:] > 0, p_C, 1.0), _camera())
     inside = np.all((pixels >= -0.5) & (pixels <= [639.5, 479.5]), axis=1)
@@ -79,9 +89,7 @@ def test_what_is_left_of_a_segment_is_what_the_camera_sees(seed):
     for _ in range(40):
         segment = rng.normal(size=(2, 3)) + [0.0, 0.0, 0.5]
         shares = np.linspace(0, 1, 2001)[:, None]
-        seen, pixels = _in_image(
-            segment[0] * (1 - shares) + segment[1] * shares
-        )
+        seen, pixels = _see(segment[0] * (1 - shares) + segment[1] * shares)
         found = project_segments(segment[None], _camera())
         # A part that falls between two samples may be there as well.
         if not seen.any():

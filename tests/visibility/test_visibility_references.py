@@ -222,7 +222,7 @@ def test_visibility_agrees_with_label_images(tmp_path):
         for model, results in ((fine, scores), (coarse, coarse_scores)):
             v = model.Score(
                 particles=particle[None],
-                active=np.full(2, True),
+                known=np.full(2, True),
                 robot_positions=q,
                 rng=rng,
                 scratch=model.MakeScratch(),
@@ -267,7 +267,7 @@ def test_visibility_agrees_with_sphere_tracing_in_the_papers_scene():
         positions = joints + rng.normal(0, 0.2, joints.shape)
         v = model.Score(
             particles=particle[None, None],
-            active=np.array([True]),
+            known=np.array([True]),
             robot_positions=positions,
             rng=np.random.default_rng(seed),
             scratch=model.MakeScratch(),

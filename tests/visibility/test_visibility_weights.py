@@ -15,6 +15,7 @@ from pbpf_drake.filtering.filter_state import FilterState, MakeInitialState
 from pbpf_drake.filtering.particle_filter_update import ParticleFilterUpdate
 from pbpf_drake.motion.control_path import ControlPath
 from pbpf_drake.visibility.visibility_model import VisibilityModel
+from pbpf_drake.visibility.visibility_weights import visibility_log_factor
 
 # A roof between the camera and the table. Seen from there, it hides the table
 # around x = 0.6.
@@ -142,3 +143,21 @@ def test_visibility_counts_as_it_was_when_the_image_was_taken(
     state = _see(roofed, before, {0: [seen]}, velocity=[0.2 / PERIOD, 0, 0])
     expected = np.array([factor, factor, 1, 1]) / (2 * factor + 2)
     np.testing.assert_allclose(state.weights, expected, rtol=1e-9)
+
+
+def test_without_a_detection_hidden_particles_get_the_high_weight():
+    config = VisibilityConfig(
+        high_weight=0.75, low_weight=0.25, high_visibility=0.95
+    )
+    factor = visibility_log_factor(
+        np.array([0, 0.94, 0.95, 1]), detected=False, config=config
+    )
+    np.testing.assert_allclose(np.exp(factor), [0.75, 0.75, 0.25, 0.25])
+
+
+def test_with_a_detection_hidden_particles_are_penalised():
+    config = VisibilityConfig(low_visibility=0.5, penalty=0.33)
+    factor = visibility_log_factor(
+        np.array([0, 0.49, 0.5, 1]), detected=True, config=config
+    )
+    np.testing.assert_allclose(np.exp(factor), [0.33, 0.33, 1, 1])
