@@ -4,7 +4,7 @@ Messages are rows with consecutive numbers. Where the database can't be read,
 reading goes on at the next row that can. The format has no checksums.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 import os
 from pathlib import Path
@@ -17,7 +17,7 @@ from urllib.parse import quote
 
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import plural
-from pbpf_drake.bags.log_stream import RawMessage
+from pbpf_drake.bags.log_stream import LogStream, RawMessage, Topics
 
 SQLITE_MAGIC = b"SQLite format 3\0"
 _ROWS = "SELECT id, topic_id, timestamp, data FROM messages"
@@ -28,28 +28,17 @@ _PATIENCE = 200
 _Row = tuple[Any, Any, Any, Any]
 
 
-class SqliteBagStream:
+class SqliteBagStream(LogStream):
     """The messages of one file; see LogStream."""
 
     kind = "a ROS 2 SQLite bag"
 
-    def __init__(
-        self, *, filename: Path, topics: Collection[str] | None = None
-    ):
-        """Prepares to read a file.
-
-        Args:
-            filename: the file.
-            topics: the topics whose messages to return; None means all.
-        """
-        self.types: dict[str, str] = {}
-        self.damage: list[str] = []
-        self._filename = filename
-        self._topics = topics
+    def __init__(self, *, filename: Path, topics: Topics = None):
+        """Prepares to read a file; see LogStream."""
+        super().__init__(filename=filename, topics=topics)
         # By the topic's number: topic, type, encoding, definition.
         self._known: dict[int, tuple[str, str, str, str]] = {}
         self._unknown = 0
-        self._unusable = 0
 
     def Messages(self) -> Iterator[RawMessage]:
         """Yields the messages.
@@ -64,17 +53,12 @@ class SqliteBagStream:
             self._ReadTopics(database)
             for row in self._Rows(database):
                 yield from self._Select(row)
-        if self._unusable:
-            count = plural(self._unusable, "message")
-            self.damage.append(f"left out {count}: damaged")
+        self._SayWhatWasDamaged()
         if self._unknown:
             count = plural(self._unknown, "message")
             self.damage.append(f"left out {count} of an unknown topic")
         if self.damage:
-            self.damage.append(
-                "the file has no checksums: numbers that are damaged can't be "
-                "told from good ones"
-            )
+            self._SayThatNumbersMayBeWrong()
 
     def _Mended(self, folder: Path) -> Path:
         """Returns the file, or a copy of it that ends with a whole page.
@@ -166,10 +150,10 @@ class SqliteBagStream:
         _, number, time, data = row
         known = self._known.get(number)
         if not isinstance(time, int) or not isinstance(data, bytes):
-            self._unusable += 1
+            self._damaged["message"] += 1
         elif known is None:
             self._unknown += 1
-        elif self._topics is None or known[0] in self._topics:
+        elif self._IsWanted(known[0]):
             topic, kind, encoding, text = known
             yield RawMessage(topic, kind, encoding, text, time, data)
 

@@ -13,7 +13,7 @@ from pbpf_drake.bags.log_stream import LogStream, RawMessage
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
 
-class ZstdStream:
+class ZstdStream(LogStream):
     """The messages of the file that is in a compressed one; see LogStream."""
 
     kind = "a zstd file"
@@ -21,15 +21,13 @@ class ZstdStream:
     def __init__(
         self, *, filename: Path, open_file: Callable[[Path], LogStream]
     ):
-        """Prepares to read a file.
+        """Prepares to read a file; see LogStream.
 
         Args:
             filename: the file.
-            open_file: opens what is in it.
+            open_file: opens what is in it, for the topics that are wanted.
         """
-        self.types: dict[str, str] = {}
-        self.damage: list[str] = []
-        self._filename = filename
+        super().__init__(filename=filename)
         self._open_file = open_file
 
     def Messages(self) -> Iterator[RawMessage]:
