@@ -5,6 +5,7 @@ types that this project reads and writes, in the layout of ROS 2 Humble. The
 writer of mcap_ros2 takes messages as nested dictionaries.
 """
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -126,6 +127,11 @@ def is_stable(name: str) -> bool:
 def short_type_name(name: str) -> str:
     """Returns "package/Type" for "package/msg/Type" or itself."""
     return name.replace("/msg/", "/")
+
+
+def is_one_of(name: str, types: Collection[str]) -> bool:
+    """Tells if a type is one of several."""
+    return short_type_name(name) in {short_type_name(t) for t in types}
 
 
 def message_definition(name: str) -> str:

@@ -15,11 +15,11 @@ from pbpf_drake.bags.message_decoder import MessageDecoder
 from pbpf_drake.bags.ros2_messages import (
     COMPRESSED_IMAGE,
     IMAGE,
+    is_one_of,
     short_type_name,
     stamp_of,
 )
 from pbpf_drake.config.scene_config import CameraConfig
-from pbpf_drake.log.log_samples import is_one_of
 
 # An image that is older isn't what the camera sees now (in seconds).
 _MAX_AGE = 1.0
@@ -143,4 +143,4 @@ class CameraImages:
         return image
 
     def _LeaveOut(self, topic: str, reason: str) -> None:
-        self._notes.Count(topic, "left out", "image", reason)
+        self._notes.On(topic, "image").CountLeftOut(reason)
