@@ -1,4 +1,4 @@
-"""Opens a log, whatever kind of file it is: by what it starts with."""
+"""Opens a log; what a file starts with tells what kind of file it is."""
 
 from pathlib import Path
 

@@ -61,9 +61,11 @@ class McapStream(LogStream):
         super().__init__(filename=filename, topics=topics)
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
+        # By channel, how many messages there should be, and how many there are.
         self._promised: dict[int, int] = {}
-        self._chunks: set[int] = set()
         self._found: Counter[int] = Counter()
+        # Where chunks start.
+        self._chunks: set[int] = set()
 
     def Messages(self) -> Iterator[RawMessage]:
         """Yields the messages.
@@ -166,7 +168,7 @@ class McapStream(LogStream):
 
 
 def _definition(schema: Schema) -> str:
-    # Others are of no use: those in IDL, or of other encodings.
+    # A definition in another language, such as IDL, is of no use here.
     if schema.encoding not in ("ros2msg", "ros1msg"):
         return ""
     return schema.data.decode(errors="replace")
@@ -184,7 +186,7 @@ def _records(
         end = _record_end(data, begin)
         resume = _next_chunk(data, begin, end or len(data), chunks)
         if resume is not None:
-            # It is missed when messages are counted.
+            # What is passed over shows when messages are counted.
             begin = resume
         elif end is None:
             return
@@ -206,7 +208,7 @@ def _record_end(data: mmap.mmap, begin: int) -> int | None:
 def _next_chunk(
     data: mmap.mmap, begin: int, end: int, chunks: Sequence[int]
 ) -> int | None:
-    """Returns the first known start of a chunk strictly in between."""
+    """Returns the first known start strictly between with a chunk there."""
     for chunk in chunks[bisect_right(chunks, begin) :]:
         if chunk >= end:
             break

@@ -1,10 +1,10 @@
 """Reads the messages of a ROS 1 bag, also of one that is damaged.
 
-The file is walked record by record; its index, which a recording that was
-broken off lacks, only helps on after damage. A chunk that can't be unpacked is
-left out and the next one is read. What follows a chunk says which messages are
-in it: what differs is told in ``damage``. Only chunks that are compressed have
-checksums.
+The file is walked record by record. Its index is only used to find the next
+record after damage, for a recording that was broken off has none. A chunk that
+can't be unpacked is left out and the next one is read. A chunk is followed by
+an index of its messages: ``damage`` says where the two differ. Only chunks that
+are compressed have checksums.
 """
 
 from collections.abc import Iterator
@@ -87,7 +87,7 @@ class Ros1BagStream(LogStream):
             return set()
         chunks = set()
         for record in _whole_records(data, place):
-            # Of connections the first copies may be damaged.
+            # It repeats connections, whose first copies may be damaged.
             if record.kind == CONNECTION:
                 self._Define(record)
             elif record.kind == CHUNK_INFO:
@@ -207,11 +207,11 @@ def _whole_records(data: mmap.mmap, begin: int) -> Iterator[Record]:
 def _index_after(
     data: mmap.mmap, begin: int
 ) -> Iterator[tuple[int, tuple[int, int]]]:
-    """Yields the messages of a chunk by its index, which follows it.
+    """Yields what the index behind a chunk says of its messages.
 
     Yields:
-        The offset in the chunk, and the number of the connection and the time
-        (in nanoseconds).
+        A message's offset in the chunk, and the number of its connection with
+        its time (in nanoseconds).
     """
     for record in _whole_records(data, begin):
         if record.kind != INDEX:

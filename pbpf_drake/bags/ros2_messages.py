@@ -135,7 +135,7 @@ def is_one_of(name: str, types: Collection[str]) -> bool:
 
 
 def message_definition(name: str) -> str:
-    """Returns the text of a type and of all types in it, as ROS 2 bags do.
+    """Returns the text of a type and of all types in it, as in ROS 2 bags.
 
     Args:
         name: one of this module's types, such as JOINT_STATE.

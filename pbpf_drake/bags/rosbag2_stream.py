@@ -11,7 +11,7 @@ from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_stream import LogStream, RawMessage, Topics
 
 METADATA = "metadata.yaml"
-# The endings of a recording's files, where metadata.yaml doesn't name them.
+# Which files are read where metadata.yaml doesn't name them.
 _ENDINGS = ("*.mcap", "*.db3", "*.mcap.zstd", "*.db3.zstd")
 
 
@@ -88,13 +88,13 @@ class Rosbag2Stream(LogStream):
             raise FileNotFoundError("there is none")
         data: Any = yaml.safe_load(path.read_bytes())
         information = data["rosbag2_bagfile_information"]
-        # ROS 2 finds files by their names in the folder, too.
+        # As in ROS 2, files are in this folder, whatever path is given.
         names = [Path(p).name for p in information["relative_file_paths"]]
         for entry in information["topics_with_message_count"]:
             topic = str(entry["topic_metadata"]["name"])
             if self._IsWanted(topic):
                 self._promised[topic] = int(entry["message_count"])
-        # A recorder that was broken off may not have written the last ones.
+        # A recorder that was broken off may have left names empty.
         return [name for name in names if name]
 
     def _CompareCounts(self, found: Counter[str]) -> None:

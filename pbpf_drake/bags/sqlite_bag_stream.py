@@ -21,7 +21,8 @@ from pbpf_drake.bags.log_stream import LogStream, RawMessage, Topics
 
 SQLITE_MAGIC = b"SQLite format 3\0"
 _ROWS = "SELECT id, topic_id, timestamp, data FROM messages"
-# After so many rows that can't be read, ever more are passed over at once.
+# After this many rows on end that can't be read, each step passes over twice as
+# many as the one before.
 _PATIENCE = 200
 
 # Number, topic, time, data.
@@ -63,7 +64,7 @@ class SqliteBagStream(LogStream):
     def _Mended(self, folder: Path) -> Path:
         """Returns the file, or a copy of it that ends with a whole page.
 
-        What SQLite reads of a page that is cut off is zeros.
+        Where a page is cut off, SQLite would read zeros.
         """
         path = self._filename.absolute()
         size = path.stat().st_size
@@ -124,7 +125,7 @@ class SqliteBagStream(LogStream):
         """Yields the rows in order, and passes over those that are damaged."""
         query = f"{_ROWS} WHERE id > ? ORDER BY id"
         last = _last_number(database)
-        # The number of the last row that was good, and of that before the one
+        # The number of the last row that was good, and the number after which
         # to try next.
         good = number = -1
         failures, reason = 0, ""
@@ -132,7 +133,7 @@ class SqliteBagStream(LogStream):
             try:
                 for row in database.execute(query, (number,)):
                     if failures:
-                        self._Lost(f"{good + 1} to {row[0] - 1}", reason)
+                        self._SayLost(f"{good + 1} to {row[0] - 1}", reason)
                     failures, good = 0, row[0]
                     number = good
                     yield row
@@ -141,9 +142,9 @@ class SqliteBagStream(LogStream):
                 failures, reason = failures + 1, str(error)
                 number += 2 ** max(0, failures - _PATIENCE)
         if failures:
-            self._Lost(f"after {good}", reason)
+            self._SayLost(f"after {good}", reason)
 
-    def _Lost(self, numbers: str, reason: str) -> None:
+    def _SayLost(self, numbers: str, reason: str) -> None:
         self.damage.append(f"left out the messages {numbers}: {reason}")
 
     def _Select(self, row: _Row) -> Iterator[RawMessage]:

@@ -1,4 +1,4 @@
-"""Reads a log that is compressed as a whole, as rosbag2 can do."""
+"""Reads a log whose whole file is compressed, as rosbag2 can do."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,7 +14,7 @@ ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
 
 class ZstdStream(LogStream):
-    """The messages of the file that is in a compressed one; see LogStream."""
+    """The messages of a file that is compressed; see LogStream."""
 
     kind = "a zstd file"
 
@@ -46,7 +46,7 @@ class ZstdStream(LogStream):
             self.damage += stream.damage
 
     def _Unpack(self, target: Path) -> None:
-        """Unpacks what can be; the rest is said in ``damage``."""
+        """Unpacks as much as can be; ``damage`` says if that is not all."""
         with self._filename.open("rb") as packed, target.open("wb") as file:
             try:
                 reader = zstandard.ZstdDecompressor().stream_reader(packed)

@@ -36,10 +36,10 @@ class _Taken:
 
 
 def image_topics(topic: str) -> tuple[str, str]:
-    """Returns the topics that images are looked for on, by their rank.
+    """Returns the two topics that images are looked for on.
 
     Args:
-        topic: what uncompressed images are on, or any.
+        topic: the one that the scene names.
     """
     return topic, f"{topic}/compressed"
 
@@ -103,7 +103,7 @@ class CameraImages:
         latest = -np.inf
         topic = None
         for message in messages:
-            # Of the two topics the one that comes first.
+            # Of the two topics, the one that has the first message is used.
             topic = topic or message.topic
             if message.topic != topic:
                 continue

@@ -20,14 +20,14 @@ from pbpf_drake.poses.pose_conversion import pose_array, rigid_transform
 from pbpf_drake.poses.pose_statistics import mean_pose
 from pbpf_drake.poses.quaternions import angle_between
 
-# A camera that moves further is not fixed (in meters and radians).
+# A camera that moves further than this is not at rest (in meters and radians).
 _MAX_CAMERA_MOTION = (0.01, 0.02)
 # The name of the motion capture's own frame, whatever the log calls it.
 _CAPTURE = "motion capture"
 
 
 class LogFrames:
-    """What the log's frames are in the scene.
+    """Where the log's frames are in the scene.
 
     Attributes:
         X_WC: the camera's pose in the world; None where the log doesn't say
@@ -73,7 +73,7 @@ class LogFrames:
         """
         if not self._reference:
             return list(messages)
-        return self._ByFrame(messages, notes, self._Detected)
+        return self._Resolve(messages, notes, self._DetectedInCamera)
 
     def InWorld(
         self, messages: Sequence[Stamped[PoseSample]], notes: TopicNotes
@@ -81,7 +81,7 @@ class LogFrames:
         """Returns true poses that are X_WO; see InCamera."""
         if not self._reference:
             return list(messages)
-        return self._ByFrame(messages, notes, self._True)
+        return self._Resolve(messages, notes, self._TrueInWorld)
 
     def _FindCamera(self) -> RigidTransform | None:
         frame = self._camera_frame
@@ -104,11 +104,13 @@ class LogFrames:
         if not len(poses):
             return None
         mean = mean_pose(poses, np.full(len(poses), 1 / len(poses)))
-        self._CheckThatItRests(poses, mean)
-        # One that is static is kept to the bit.
+        self._CheckThatCameraRests(poses, mean)
+        # A static pose is kept to the bit.
         return rigid_transform(poses[0] if len(poses) == 1 else mean)
 
-    def _CheckThatItRests(self, poses: np.ndarray, mean: np.ndarray) -> None:
+    def _CheckThatCameraRests(
+        self, poses: np.ndarray, mean: np.ndarray
+    ) -> None:
         distance = np.linalg.norm(poses[:, 4:] - mean[4:], axis=1).max()
         angle = angle_between(poses[:, :4], mean[:4]).max()
         if distance > _MAX_CAMERA_MOTION[0] or angle > _MAX_CAMERA_MOTION[1]:
@@ -118,16 +120,16 @@ class LogFrames:
                 "pose; poses in the world are not affected"
             )
 
-    def _ByFrame(
+    def _Resolve(
         self,
         messages: Sequence[Stamped[PoseSample]],
         notes: TopicNotes,
         resolve: Callable[[str, np.ndarray, PoseArrays], PoseArrays],
     ) -> list[Stamped[PoseSample]]:
-        """Returns the messages with poses that ``resolve`` finds.
+        """Returns the messages with the poses that ``resolve`` returns.
 
-        It is called once for every frame, with the times of the messages in
-        it (in nanoseconds) and their poses.
+        ``resolve`` is called once for every frame. It gets the frame's name,
+        and the times (in nanoseconds) and poses of the messages in it.
         """
         by_frame: dict[str, list[Stamped[PoseSample]]] = {}
         for m in messages:
@@ -149,22 +151,22 @@ class LogFrames:
                     notes.CountLeftOut(reason)
         return sorted(placed, key=lambda m: m.received)
 
-    def _Detected(
+    def _DetectedInCamera(
         self, frame: str, times: np.ndarray, own: PoseArrays
     ) -> PoseArrays:
         if self.X_WC is None and frame == self._camera_frame:
             return own
         X_CW = _constant(self._camera.inverse(), len(times))
-        return compose(X_CW, self._Placed(self._tree, frame, times, own))
+        return compose(X_CW, self._WorldPoses(self._tree, frame, times, own))
 
-    def _True(
+    def _TrueInWorld(
         self, frame: str, times: np.ndarray, own: PoseArrays
     ) -> PoseArrays:
         if self._base is not None:
-            return self._Placed(self._base, _CAPTURE, times, own)
-        return self._Placed(self._tree, frame, times, own)
+            return self._WorldPoses(self._base, _CAPTURE, times, own)
+        return self._WorldPoses(self._tree, frame, times, own)
 
-    def _Placed(
+    def _WorldPoses(
         self,
         tree: TransformTree,
         frame: str,

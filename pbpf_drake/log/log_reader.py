@@ -105,21 +105,18 @@ class _LogReader:
         )
 
     def _PlaceInTime(self, samples: LogSamples) -> tuple[_Joints, _Poses]:
-        topic, topics, notes = (
-            self._sources.joints,
-            self._scene.topics,
-            self._notes,
-        )
-        in_tf = bool(topics.tf_joints)
-        reference: Sequence[RawStamped[object]] = (
-            samples.poses[topic] if in_tf else samples.joints
-        )
+        source, topics = self._sources.joints, self._scene.topics
+        # The messages that say where the joints are: they have little delay.
+        reference: Sequence[RawStamped[object]] = samples.joints
+        if topics.tf_joints:
+            reference = samples.poses[source]
         if not reference:
             raise LogError(self._NoJointStates(samples.types))
-        clock = find_clock(reference, notes)
-        joints = clock.Place(samples.joints, notes.On(topic, "message"))
+        clock = find_clock(reference, self._notes)
+        notes = self._notes.On(source, "message")
+        joints = clock.Place(samples.joints, notes)
         poses = {
-            topic: clock.Place(said, notes.On(topic, "message"))
+            topic: clock.Place(said, self._notes.On(topic, "message"))
             for topic, said in samples.poses.items()
             if topic != topics.tf_static
         }

@@ -45,7 +45,8 @@ class LogSurvey:
     Attributes:
         kind: what kind of file it is.
         topics: by name.
-        frames: how often tf tells of a frame in its parent, by both names.
+        frames: how often tf says where a frame is in its parent, by the
+            names of the two.
         joints: names of joints, by topic.
         damage: sentences on what can't be read.
     """

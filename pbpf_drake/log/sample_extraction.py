@@ -29,8 +29,8 @@ DETECTION_TYPES = (DETECTION_ARRAY, *TRUTH_TYPES)
 TF_TYPES = (TF_MESSAGE, "tf/tfMessage")
 
 _Arrays = tuple[np.ndarray, np.ndarray]
-# A decoded header, and the pose that goes with it.
-_Said = tuple[Any, PoseSample]
+# A part of a message: its decoded header, and the pose that it says.
+_Part = tuple[Any, PoseSample]
 
 
 def extract_joints(
@@ -64,26 +64,26 @@ def extract_poses(
     ]
 
 
-def _pose_stamped(message: Any) -> list[_Said]:
-    return [_said(message.header, "", pose_arrays(message.pose))]
+def _pose_stamped(message: Any) -> list[_Part]:
+    return [_part(message.header, "", pose_arrays(message.pose))]
 
 
-def _pose_with_covariance(message: Any) -> list[_Said]:
-    return [_said(message.header, "", pose_arrays(message.pose.pose))]
+def _pose_with_covariance(message: Any) -> list[_Part]:
+    return [_part(message.header, "", pose_arrays(message.pose.pose))]
 
 
-def _transform(message: Any) -> list[_Said]:
+def _transform(message: Any) -> list[_Part]:
     name = frame_name(message.child_frame_id)
-    return [_said(message.header, name, transform_arrays(message.transform))]
+    return [_part(message.header, name, transform_arrays(message.transform))]
 
 
-def _tf(message: Any) -> list[_Said]:
-    return [s for t in message.transforms for s in _transform(t)]
+def _tf(message: Any) -> list[_Part]:
+    return [part for t in message.transforms for part in _transform(t)]
 
 
-def _detections(message: Any) -> list[_Said]:
+def _detections(message: Any) -> list[_Part]:
     return [
-        _said(d.header, *_best_result(d.results)) for d in message.detections
+        _part(d.header, *_best_result(d.results)) for d in message.detections
     ]
 
 
@@ -100,11 +100,11 @@ def _best_result(results: Sequence[Any]) -> tuple[str, _Arrays]:
     return str(class_id), pose_arrays(results[best].pose.pose)
 
 
-def _said(header: Any, name: str, arrays: _Arrays) -> _Said:
+def _part(header: Any, name: str, arrays: _Arrays) -> _Part:
     return header, PoseSample(frame_name(header.frame_id), name, *arrays)
 
 
-_EXTRACT: dict[str, Callable[[Any], list[_Said]]] = {
+_EXTRACT: dict[str, Callable[[Any], list[_Part]]] = {
     short_type_name(kind): extract
     for kind, extract in (
         (POSE_STAMPED, _pose_stamped),

@@ -19,8 +19,8 @@ from pbpf_drake.poses.quaternions import conjugate, multiply, normalize, rotate
 # Of N poses: (N, 4) unit quaternions w, x, y, z, and (N, 3) in meters.
 PoseArrays = tuple[np.ndarray, np.ndarray]
 
-# A moving frame is known up to so far from a sample (in nanoseconds): between
-# two samples, and before the first and after the last one.
+# How far from a sample the pose of a moving frame is still known (in
+# nanoseconds): between two samples, and before the first or after the last one.
 _MAX_GAP = 500_000_000
 _MAX_HOLD = 100_000_000
 
