@@ -83,7 +83,8 @@ def _tf(message: Any) -> list[_Part]:
 
 def _detections(message: Any) -> list[_Part]:
     return [
-        _part(d.header, *_best_result(d.results)) for d in message.detections
+        _part(message.header, *_best_result(d.results))
+        for d in message.detections
     ]
 
 

@@ -33,7 +33,8 @@ def tf_joint_samples(
             f"expected the robot's joints {list(names)}"
         )
     columns = [_coordinate(topics.tf_joints[name]) for name in names]
-    frames = {frame for frame, _ in columns}
+    # In this order, so that the same log always gets the same error.
+    frames = list(dict.fromkeys(frame for frame, _ in columns))
     reference = frame_name(topics.reference_frame)
     times = _sample_times(tree, frames, reference)
     X_WR = topics.ReferencePose()
