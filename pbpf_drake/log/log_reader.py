@@ -96,12 +96,12 @@ class _LogReader:
         detections = self._Detections(poses, samples.types, frames, start)
         truth = self._GroundTruth(poses, frames, start)
         return Log(
-            record,
-            detections,
-            truth,
-            start,
-            self._notes.Sentences(),
-            frames.X_WC,
+            joints=record,
+            detections=detections,
+            ground_truth=truth,
+            start_time=start,
+            warnings=self._notes.Sentences(),
+            X_WC=frames.X_WC,
         )
 
     def _PlaceInTime(self, samples: LogSamples) -> tuple[_Joints, _Poses]:
@@ -136,10 +136,10 @@ class _LogReader:
         self, poses: _Poses, static: Sequence[RawStamped[PoseSample]]
     ) -> TransformTree:
         topics = self._scene.topics
-        once = self._notes.On(topics.tf_static, "transform")
+        notes = self._notes.On(topics.tf_static, "transform")
         return make_transform_tree(
             self._Transforms(poses, topics.tf),
-            [m.value for m in static if is_usable_pose(m.value, once)],
+            [m.value for m in static if is_usable_pose(m.value, notes)],
             notes=self._notes,
         )
 

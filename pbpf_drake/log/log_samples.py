@@ -1,12 +1,14 @@
-"""The forms that what a message says takes, from the file to the records.
+"""What a message says, in all its forms between the file and the records.
 
 1. A RawMessage is what the file holds. It is decoded.
 2. sample_extraction.py makes samples of the decoded message: a JointSample,
-   or a PoseSample for each pose in it. Each is in a RawStamped, with the times
-   that the file gives.
-3. log_clock.py places them in time: each is in a Stamped. log_frames.py
-   changes poses in some frame to poses in the camera or in the world.
-4. The cleaning modules leave out what can't be used, and make records.
+   or a PoseSample for each pose in it. A RawStamped holds each of them, with
+   the times that the file gives.
+3. log_clock.py places them in time: now a Stamped holds each of them.
+   log_frames.py changes poses in some frame to poses in the camera or in the
+   world.
+4. The cleaning modules leave out what can't be used, and make records of the
+   rest.
 """
 
 from collections.abc import Sequence
