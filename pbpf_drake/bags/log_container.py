@@ -1,10 +1,9 @@
-"""Opens a log, whatever kind of file it is: by what it starts with."""
+"""Opens a log; what a file starts with tells what kind of file it is."""
 
-from collections.abc import Callable, Collection
 from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.bags.log_stream import LogStream
+from pbpf_drake.bags.log_stream import LogStream, Topics
 from pbpf_drake.bags.mcap_stream import MCAP_MAGIC, McapStream
 from pbpf_drake.bags.ros1_bag_stream import Ros1BagStream
 from pbpf_drake.bags.ros1_records import BAG_MAGIC
@@ -13,31 +12,31 @@ from pbpf_drake.bags.sqlite_bag_stream import SQLITE_MAGIC, SqliteBagStream
 from pbpf_drake.bags.zstd_stream import ZSTD_MAGIC, ZstdStream
 
 _EXPECTED = "expected an MCAP file, a ROS 1 bag or a ROS 2 bag"
-_STREAMS: dict[bytes, Callable[..., LogStream]] = {
+_STREAMS: dict[bytes, type[LogStream]] = {
     MCAP_MAGIC: McapStream,
     BAG_MAGIC: Ros1BagStream,
     SQLITE_MAGIC: SqliteBagStream,
 }
 
 
-def OpenLogStream(
-    filename: Path, topics: Collection[str] | None = None
-) -> LogStream:
+def OpenLogStream(filename: Path, topics: Topics = None) -> LogStream:
     """Returns the stream of a log's messages.
 
     Args:
         filename: a file, or the folder of a ROS 2 recording.
-        topics: the topics whose messages to return; None means all.
+        topics: the topics whose messages are wanted; None means all.
 
     Raises:
         LogError: there is no such file, or it is no log; the message says
             what it is.
     """
+
+    def open_file(file: Path) -> LogStream:
+        return OpenLogStream(file, topics)
+
     if filename.is_dir():
         return Rosbag2Stream(
-            folder=filename,
-            topics=topics,
-            open_file=lambda file: OpenLogStream(file, topics),
+            filename=filename, topics=topics, open_file=open_file
         )
     try:
         with filename.open("rb") as file:
@@ -48,10 +47,7 @@ def OpenLogStream(
         if start.startswith(magic):
             return stream(filename=filename, topics=topics)
     if start.startswith(ZSTD_MAGIC):
-        return ZstdStream(
-            filename=filename,
-            open_file=lambda file: OpenLogStream(file, topics),
-        )
+        return ZstdStream(filename=filename, open_file=open_file)
     raise LogError(f"{_EXPECTED}, but {_describe(start)}")
 
 

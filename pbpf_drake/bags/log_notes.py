@@ -1,6 +1,7 @@
 """Counts what was left out of a log, and says it in sentences."""
 
 from collections import Counter
+from dataclasses import dataclass
 
 
 def plural(count: int, noun: str) -> str:
@@ -15,6 +16,15 @@ class LogNotes:
         """Starts without notes."""
         self._counts: Counter[tuple[str, str, str, str]] = Counter()
         self._sentences: list[str] = []
+
+    def On(self, topic: str, noun: str) -> "TopicNotes":
+        """Returns what counts the things of one kind on one topic.
+
+        Args:
+            topic: where they are.
+            noun: what one of them is, such as "message".
+        """
+        return TopicNotes(self, topic, noun)
 
     def Count(self, topic: str, verb: str, noun: str, reason: str) -> None:
         """Counts one more ``noun`` of this kind.
@@ -39,3 +49,34 @@ class LogNotes:
             if topic in (None, where)
         ]
         return tuple(([] if topic else self._sentences) + counted)
+
+
+@dataclass(frozen=True)
+class TopicNotes:
+    """Counts the things of one kind on one topic.
+
+    Attributes:
+        notes: where the counts are kept.
+        topic: where the things are.
+        noun: what one of them is, such as "detection".
+    """
+
+    notes: LogNotes
+    topic: str
+    noun: str
+
+    def CountLeftOut(self, reason: str) -> None:
+        """Counts one more that is left out; see LogNotes.Count."""
+        self.Count("left out", reason)
+
+    def Count(self, verb: str, reason: str) -> None:
+        """Counts one more with which something was done."""
+        self.notes.Count(self.topic, verb, self.noun, reason)
+
+    def Add(self, sentence: str) -> None:
+        """Adds a sentence on the topic that needs no counting."""
+        self.notes.Add(f"{self.topic}: {sentence}")
+
+    def Sentences(self) -> tuple[str, ...]:
+        """Returns the sentences that count things on the topic."""
+        return self.notes.Sentences(self.topic)

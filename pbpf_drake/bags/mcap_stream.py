@@ -8,7 +8,7 @@ missing. Nothing is left out without a sentence in ``damage``.
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from io import BytesIO
 import mmap
 from pathlib import Path
@@ -30,7 +30,12 @@ from mcap.records import (
 from mcap.stream_reader import breakup_chunk
 
 from pbpf_drake.bags.log_notes import plural
-from pbpf_drake.bags.log_stream import RawMessage, open_bytes
+from pbpf_drake.bags.log_stream import (
+    LogStream,
+    OpenBytes,
+    RawMessage,
+    Topics,
+)
 
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 _RECORD_HEADER = struct.Struct("<BQ")
@@ -46,29 +51,21 @@ _PARSERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
 }
 
 
-class McapStream:
+class McapStream(LogStream):
     """The messages of one file; see LogStream."""
 
     kind = "an MCAP file"
 
-    def __init__(
-        self, *, filename: Path, topics: Collection[str] | None = None
-    ):
-        """Prepares to read a file.
-
-        Args:
-            filename: the file.
-            topics: the topics whose messages to return; None means all.
-        """
-        self.types: dict[str, str] = {}
-        self.damage: list[str] = []
-        self._filename = filename
-        self._topics = topics
+    def __init__(self, *, filename: Path, topics: Topics = None):
+        """Prepares to read a file; see LogStream."""
+        super().__init__(filename=filename, topics=topics)
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
+        # By channel, how many messages there should be, and how many there are.
         self._promised: dict[int, int] = {}
-        self._chunks: set[int] = set()
         self._found: Counter[int] = Counter()
+        # Where chunks start.
+        self._chunks: set[int] = set()
 
     def Messages(self) -> Iterator[RawMessage]:
         """Yields the messages.
@@ -76,7 +73,7 @@ class McapStream:
         Raises:
             LogError: there is no such file, or it can't be opened.
         """
-        with open_bytes(self._filename) as data:
+        with OpenBytes(self._filename) as data:
             self._ReadSummary(data)
             yield from self._ReadData(data)
         self._CompareCounts()
@@ -99,14 +96,14 @@ class McapStream:
                 self._Define(record)
 
     def _ReadData(self, data: mmap.mmap) -> Iterator[RawMessage]:
-        damaged: Counter[str] = Counter()
         begin = end = len(MCAP_MAGIC)
         for opcode, body, end in _records(data, begin, sorted(self._chunks)):
             try:
                 record = _parse(opcode, body)
                 content = _content(record)
             except Exception:  # Damage can show in any way.
-                damaged["chunk" if opcode == Opcode.CHUNK else "record"] += 1
+                noun = "chunk" if opcode == Opcode.CHUNK else "record"
+                self._damaged[noun] += 1
                 continue
             if isinstance(record, DataEnd):
                 begin = end - _RECORD_HEADER.size - len(body)
@@ -114,12 +111,8 @@ class McapStream:
                 break
             yield from self._Select(content)
         else:
-            self.damage.append(
-                f"the file is cut off: what is whole ends at byte {end} of "
-                f"{len(data)}, and was used"
-            )
-        for noun, count in damaged.items():
-            self.damage.append(f"left out {plural(count, noun)}: damaged")
+            self._SayThatItIsCutOff(end, len(data))
+        self._SayWhatWasDamaged()
 
     def _Select(self, records: list[McapRecord]) -> Iterator[RawMessage]:
         for record in records:
@@ -130,9 +123,6 @@ class McapStream:
             channel = self._channels.get(record.channel_id)
             if channel is not None and self._IsWanted(channel.topic):
                 yield self._MakeMessage(record, channel)
-
-    def _IsWanted(self, topic: str) -> bool:
-        return self._topics is None or topic in self._topics
 
     def _MakeMessage(self, record: Message, channel: Channel) -> RawMessage:
         schema = self._schemas.get(channel.schema_id)
@@ -172,16 +162,13 @@ class McapStream:
                 )
         for identifier, promised in self._promised.items():
             channel = self._channels.get(identifier)
-            found = self._found[identifier]
-            if channel and self._IsWanted(channel.topic) and found != promised:
-                self.damage.append(
-                    f"the file says that {channel.topic} has "
-                    f"{plural(promised, 'message')}, but {found} could be read"
-                )
+            if channel and self._IsWanted(channel.topic):
+                found = self._found[identifier]
+                self._CompareCount("the file", channel.topic, promised, found)
 
 
 def _definition(schema: Schema) -> str:
-    # Others are of no use: those in IDL, or of other encodings.
+    # A definition in another language, such as IDL, is of no use here.
     if schema.encoding not in ("ros2msg", "ros1msg"):
         return ""
     return schema.data.decode(errors="replace")
@@ -199,7 +186,7 @@ def _records(
         end = _record_end(data, begin)
         resume = _next_chunk(data, begin, end or len(data), chunks)
         if resume is not None:
-            # It is missed when messages are counted.
+            # What is passed over shows when messages are counted.
             begin = resume
         elif end is None:
             return
@@ -221,7 +208,7 @@ def _record_end(data: mmap.mmap, begin: int) -> int | None:
 def _next_chunk(
     data: mmap.mmap, begin: int, end: int, chunks: Sequence[int]
 ) -> int | None:
-    """Returns the first known start of a chunk strictly in between."""
+    """Returns the first known start strictly between with a chunk there."""
     for chunk in chunks[bisect_right(chunks, begin) :]:
         if chunk >= end:
             break

@@ -1,20 +1,24 @@
 """Reads the messages of a ROS 1 bag, also of one that is damaged.
 
-The file is walked record by record; its index, which a recording that was
-broken off lacks, only helps on after damage. A chunk that can't be unpacked is
-left out and the next one is read. What follows a chunk says which messages are
-in it: what differs is told in ``damage``. Only chunks that are compressed have
-checksums.
+The file is walked record by record. Its index is only used to find the next
+record after damage, for a recording that was broken off has none. A chunk that
+can't be unpacked is left out and the next one is read. A chunk is followed by
+an index of its messages: ``damage`` says where the two differ. Only chunks that
+are compressed have checksums.
 """
 
-from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 import mmap
 from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import plural
-from pbpf_drake.bags.log_stream import RawMessage, open_bytes
+from pbpf_drake.bags.log_stream import (
+    LogStream,
+    OpenBytes,
+    RawMessage,
+    Topics,
+)
 from pbpf_drake.bags.ros1_decoding import definition_matches
 from pbpf_drake.bags.ros1_records import (
     BAG_MAGIC,
@@ -33,29 +37,18 @@ from pbpf_drake.bags.ros1_records import (
 )
 
 
-class Ros1BagStream:
+class Ros1BagStream(LogStream):
     """The messages of one file; see LogStream."""
 
     kind = "a ROS 1 bag"
 
-    def __init__(
-        self, *, filename: Path, topics: Collection[str] | None = None
-    ):
-        """Prepares to read a file.
-
-        Args:
-            filename: the file.
-            topics: the topics whose messages to return; None means all.
-        """
-        self.types: dict[str, str] = {}
-        self.damage: list[str] = []
-        self._filename = filename
-        self._topics = topics
+    def __init__(self, *, filename: Path, topics: Topics = None):
+        """Prepares to read a file; see LogStream."""
+        super().__init__(filename=filename, topics=topics)
         # By the connection's number: topic, type, definition.
         self._connections: dict[int, tuple[str, str, str]] = {}
         # The connections whose definition has the right checksum.
         self._checked: set[int] = set()
-        self._damaged: Counter[str] = Counter()
         self._unprotected = False
         self._promised_chunks = 0
 
@@ -66,7 +59,7 @@ class Ros1BagStream:
             LogError: there is no such file, it can't be opened, or it is
                 encrypted.
         """
-        with open_bytes(self._filename) as data:
+        with OpenBytes(self._filename) as data:
             missing = self._ReadIndex(data)
             for record in self._Walk(data, sorted(missing)):
                 missing.discard(record.begin if record.kind == CHUNK else -1)
@@ -79,13 +72,9 @@ class Ros1BagStream:
                 f"{plural(len(missing), 'chunk')} can't be found where the "
                 "file's index says"
             )
-        for noun, count in self._damaged.items():
-            self.damage.append(f"left out {plural(count, noun)}: damaged")
+        self._SayWhatWasDamaged()
         if self.damage and self._unprotected:
-            self.damage.append(
-                "the file has no checksums: numbers that are damaged can't be "
-                "told from good ones"
-            )
+            self._SayThatNumbersMayBeWrong()
 
     def _ReadIndex(self, data: mmap.mmap) -> set[int]:
         """Reads the index, and returns where chunks start."""
@@ -98,7 +87,7 @@ class Ros1BagStream:
             return set()
         chunks = set()
         for record in _whole_records(data, place):
-            # Of connections the first copies may be damaged.
+            # It repeats connections, whose first copies may be damaged.
             if record.kind == CONNECTION:
                 self._Define(record)
             elif record.kind == CHUNK_INFO:
@@ -122,12 +111,10 @@ class Ros1BagStream:
 
     def _Walk(self, data: mmap.mmap, chunks: list[int]) -> Iterator[Record]:
         def lost(begin: int, end: int) -> None:
-            self.damage.append(
-                f"left out bytes {begin} to {end}: damaged"
-                if end < len(data)
-                else f"the file is cut off: what is whole ends at byte {begin} "
-                f"of {end}, and was used"
-            )
+            if end < len(data):
+                self.damage.append(f"left out bytes {begin} to {end}: damaged")
+            else:
+                self._SayThatItIsCutOff(begin, end)
 
         return walk_records(
             data, begin=len(BAG_MAGIC), end=len(data), starts=chunks, lost=lost
@@ -182,9 +169,6 @@ class Ros1BagStream:
                     topic, kind, "ros1", text, record.Time(), record.data
                 )
 
-    def _IsWanted(self, topic: str) -> bool:
-        return self._topics is None or topic in self._topics
-
     def _Define(self, record: Record) -> None:
         identifier = record.Number("conn")
         if identifier in self._checked:
@@ -223,11 +207,11 @@ def _whole_records(data: mmap.mmap, begin: int) -> Iterator[Record]:
 def _index_after(
     data: mmap.mmap, begin: int
 ) -> Iterator[tuple[int, tuple[int, int]]]:
-    """Yields the messages of a chunk by its index, which follows it.
+    """Yields what the index behind a chunk says of its messages.
 
     Yields:
-        The offset in the chunk, and the number of the connection and the time
-        (in nanoseconds).
+        A message's offset in the chunk, and the number of its connection with
+        its time (in nanoseconds).
     """
     for record in _whole_records(data, begin):
         if record.kind != INDEX:

@@ -90,7 +90,7 @@ def walk_records(
 def _next_start(
     content: bytes | mmap.mmap, begin: int, end: int, starts: Sequence[int]
 ) -> int | None:
-    """Returns the first known start in between at which there is a record."""
+    """Returns the first known start strictly between with a record there."""
     for start in starts[bisect_right(starts, begin) :]:
         if start >= end:
             break
@@ -119,7 +119,7 @@ def _parse(content: bytes | mmap.mmap, begin: int, limit: int) -> Record | None:
 def _end_of_block(
     content: bytes | mmap.mmap, begin: int, limit: int
 ) -> int | None:
-    """Returns where the block with its length before it ends."""
+    """Returns where a block, which starts with its length, ends."""
     after = begin + _LENGTH.size
     if after > limit:
         return None
@@ -187,7 +187,7 @@ def unpack_chunk(record: Record) -> bytes:
 def has_checksum(chunk: Record) -> bool:
     """Tells if damage in a chunk shows when it is unpacked."""
     compression = chunk.Text("compression")
-    # Of a frame of lz4 that is optional: bit 2 of the byte after the magic.
+    # In lz4 it is optional: bit 2 of the byte after the magic tells.
     return compression == "bz2" or (
         compression == "lz4" and bool(chunk.data[4] & 0b100)
     )

@@ -5,6 +5,7 @@ types that this project reads and writes, in the layout of ROS 2 Humble. The
 writer of mcap_ros2 takes messages as nested dictionaries.
 """
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -128,8 +129,13 @@ def short_type_name(name: str) -> str:
     return name.replace("/msg/", "/")
 
 
+def is_one_of(name: str, types: Collection[str]) -> bool:
+    """Tells if a type is one of several."""
+    return short_type_name(name) in {short_type_name(t) for t in types}
+
+
 def message_definition(name: str) -> str:
-    """Returns the text of a type and of all types in it, as ROS 2 bags do.
+    """Returns the text of a type and of all types in it, as in ROS 2 bags.
 
     Args:
         name: one of this module's types, such as JOINT_STATE.

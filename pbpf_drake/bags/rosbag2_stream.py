@@ -1,22 +1,21 @@
 """Reads a ROS 2 recording that is a folder: metadata.yaml and its files."""
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.bags.log_notes import plural
-from pbpf_drake.bags.log_stream import LogStream, RawMessage
+from pbpf_drake.bags.log_stream import LogStream, RawMessage, Topics
 
 METADATA = "metadata.yaml"
-# The endings of a recording's files, where metadata.yaml doesn't name them.
+# Which files are read where metadata.yaml doesn't name them.
 _ENDINGS = ("*.mcap", "*.db3", "*.mcap.zstd", "*.db3.zstd")
 
 
-class Rosbag2Stream:
+class Rosbag2Stream(LogStream):
     """The messages of a folder's files, one after the other; see LogStream."""
 
     kind = "a ROS 2 recording"
@@ -24,21 +23,18 @@ class Rosbag2Stream:
     def __init__(
         self,
         *,
-        folder: Path,
-        topics: Collection[str] | None,
+        filename: Path,
+        topics: Topics,
         open_file: Callable[[Path], LogStream],
     ):
-        """Prepares to read a folder.
+        """Prepares to read a folder; see LogStream.
 
         Args:
-            folder: the folder.
-            topics: the topics whose messages to return; None means all.
+            filename: the folder.
+            topics: the topics whose messages are wanted; None means all.
             open_file: opens one of its files, for these topics.
         """
-        self.types: dict[str, str] = {}
-        self.damage: list[str] = []
-        self._folder = folder
-        self._topics = topics
+        super().__init__(filename=filename, topics=topics)
         self._open_file = open_file
         self._promised: dict[str, int] = {}
 
@@ -77,38 +73,33 @@ class Rosbag2Stream:
                 "the folder are read"
             )
             names = sorted(
-                {f.name for end in _ENDINGS for f in self._folder.glob(end)}
+                {f.name for end in _ENDINGS for f in self._filename.glob(end)}
             )
         if not names:
             raise LogError(
                 f"it is a folder without {METADATA} and without files of the "
                 "endings .mcap and .db3"
             )
-        return [self._folder / name for name in names]
+        return [self._filename / name for name in names]
 
     def _ReadMetadata(self) -> list[str]:
-        path = self._folder / METADATA
+        path = self._filename / METADATA
         if not path.is_file():
             raise FileNotFoundError("there is none")
         data: Any = yaml.safe_load(path.read_bytes())
         information = data["rosbag2_bagfile_information"]
-        # ROS 2 finds files by their names in the folder, too.
+        # As in ROS 2, files are in this folder, whatever path is given.
         names = [Path(p).name for p in information["relative_file_paths"]]
         for entry in information["topics_with_message_count"]:
             topic = str(entry["topic_metadata"]["name"])
-            if self._topics is None or topic in self._topics:
+            if self._IsWanted(topic):
                 self._promised[topic] = int(entry["message_count"])
-        # A recorder that was broken off may not have written the last ones.
+        # A recorder that was broken off may have left names empty.
         return [name for name in names if name]
 
     def _CompareCounts(self, found: Counter[str]) -> None:
         for topic, promised in self._promised.items():
-            if found[topic] != promised:
-                self.damage.append(
-                    f"{METADATA} says that {topic} has "
-                    f"{plural(promised, 'message')}, but {found[topic]} could "
-                    "be read"
-                )
+            self._CompareCount(METADATA, topic, promised, found[topic])
 
 
 def _brief(error: Exception) -> str:

@@ -4,7 +4,7 @@ Messages are rows with consecutive numbers. Where the database can't be read,
 reading goes on at the next row that can. The format has no checksums.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 import os
 from pathlib import Path
@@ -17,39 +17,29 @@ from urllib.parse import quote
 
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import plural
-from pbpf_drake.bags.log_stream import RawMessage
+from pbpf_drake.bags.log_stream import LogStream, RawMessage, Topics
 
 SQLITE_MAGIC = b"SQLite format 3\0"
 _ROWS = "SELECT id, topic_id, timestamp, data FROM messages"
-# After so many rows that can't be read, ever more are passed over at once.
+# After this many rows on end that can't be read, each step passes over twice as
+# many as the one before.
 _PATIENCE = 200
 
 # Number, topic, time, data.
 _Row = tuple[Any, Any, Any, Any]
 
 
-class SqliteBagStream:
+class SqliteBagStream(LogStream):
     """The messages of one file; see LogStream."""
 
     kind = "a ROS 2 SQLite bag"
 
-    def __init__(
-        self, *, filename: Path, topics: Collection[str] | None = None
-    ):
-        """Prepares to read a file.
-
-        Args:
-            filename: the file.
-            topics: the topics whose messages to return; None means all.
-        """
-        self.types: dict[str, str] = {}
-        self.damage: list[str] = []
-        self._filename = filename
-        self._topics = topics
+    def __init__(self, *, filename: Path, topics: Topics = None):
+        """Prepares to read a file; see LogStream."""
+        super().__init__(filename=filename, topics=topics)
         # By the topic's number: topic, type, encoding, definition.
         self._known: dict[int, tuple[str, str, str, str]] = {}
         self._unknown = 0
-        self._unusable = 0
 
     def Messages(self) -> Iterator[RawMessage]:
         """Yields the messages.
@@ -64,22 +54,17 @@ class SqliteBagStream:
             self._ReadTopics(database)
             for row in self._Rows(database):
                 yield from self._Select(row)
-        if self._unusable:
-            count = plural(self._unusable, "message")
-            self.damage.append(f"left out {count}: damaged")
+        self._SayWhatWasDamaged()
         if self._unknown:
             count = plural(self._unknown, "message")
             self.damage.append(f"left out {count} of an unknown topic")
         if self.damage:
-            self.damage.append(
-                "the file has no checksums: numbers that are damaged can't be "
-                "told from good ones"
-            )
+            self._SayThatNumbersMayBeWrong()
 
     def _Mended(self, folder: Path) -> Path:
         """Returns the file, or a copy of it that ends with a whole page.
 
-        What SQLite reads of a page that is cut off is zeros.
+        Where a page is cut off, SQLite would read zeros.
         """
         path = self._filename.absolute()
         size = path.stat().st_size
@@ -140,7 +125,7 @@ class SqliteBagStream:
         """Yields the rows in order, and passes over those that are damaged."""
         query = f"{_ROWS} WHERE id > ? ORDER BY id"
         last = _last_number(database)
-        # The number of the last row that was good, and of that before the one
+        # The number of the last row that was good, and the number after which
         # to try next.
         good = number = -1
         failures, reason = 0, ""
@@ -148,7 +133,7 @@ class SqliteBagStream:
             try:
                 for row in database.execute(query, (number,)):
                     if failures:
-                        self._Lost(f"{good + 1} to {row[0] - 1}", reason)
+                        self._SayLost(f"{good + 1} to {row[0] - 1}", reason)
                     failures, good = 0, row[0]
                     number = good
                     yield row
@@ -157,19 +142,19 @@ class SqliteBagStream:
                 failures, reason = failures + 1, str(error)
                 number += 2 ** max(0, failures - _PATIENCE)
         if failures:
-            self._Lost(f"after {good}", reason)
+            self._SayLost(f"after {good}", reason)
 
-    def _Lost(self, numbers: str, reason: str) -> None:
+    def _SayLost(self, numbers: str, reason: str) -> None:
         self.damage.append(f"left out the messages {numbers}: {reason}")
 
     def _Select(self, row: _Row) -> Iterator[RawMessage]:
         _, number, time, data = row
         known = self._known.get(number)
         if not isinstance(time, int) or not isinstance(data, bytes):
-            self._unusable += 1
+            self._damaged["message"] += 1
         elif known is None:
             self._unknown += 1
-        elif self._topics is None or known[0] in self._topics:
+        elif self._IsWanted(known[0]):
             topic, kind, encoding, text = known
             yield RawMessage(topic, kind, encoding, text, time, data)
 

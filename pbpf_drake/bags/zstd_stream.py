@@ -1,4 +1,4 @@
-"""Reads a log that is compressed as a whole, as rosbag2 can do."""
+"""Reads a log whose whole file is compressed, as rosbag2 can do."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -13,23 +13,21 @@ from pbpf_drake.bags.log_stream import LogStream, RawMessage
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 
 
-class ZstdStream:
-    """The messages of the file that is in a compressed one; see LogStream."""
+class ZstdStream(LogStream):
+    """The messages of a file that is compressed; see LogStream."""
 
     kind = "a zstd file"
 
     def __init__(
         self, *, filename: Path, open_file: Callable[[Path], LogStream]
     ):
-        """Prepares to read a file.
+        """Prepares to read a file; see LogStream.
 
         Args:
             filename: the file.
-            open_file: opens what is in it.
+            open_file: opens what is in it, for the topics that are wanted.
         """
-        self.types: dict[str, str] = {}
-        self.damage: list[str] = []
-        self._filename = filename
+        super().__init__(filename=filename)
         self._open_file = open_file
 
     def Messages(self) -> Iterator[RawMessage]:
@@ -48,7 +46,7 @@ class ZstdStream:
             self.damage += stream.damage
 
     def _Unpack(self, target: Path) -> None:
-        """Unpacks what can be; the rest is said in ``damage``."""
+        """Unpacks as much as can be; ``damage`` says if that is not all."""
         with self._filename.open("rb") as packed, target.open("wb") as file:
             try:
                 reader = zstandard.ZstdDecompressor().stream_reader(packed)

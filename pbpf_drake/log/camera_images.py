@@ -15,11 +15,11 @@ from pbpf_drake.bags.message_decoder import MessageDecoder
 from pbpf_drake.bags.ros2_messages import (
     COMPRESSED_IMAGE,
     IMAGE,
+    is_one_of,
     short_type_name,
     stamp_of,
 )
 from pbpf_drake.config.scene_config import CameraConfig
-from pbpf_drake.log.log_samples import is_one_of
 
 # An image that is older isn't what the camera sees now (in seconds).
 _MAX_AGE = 1.0
@@ -36,10 +36,10 @@ class _Taken:
 
 
 def image_topics(topic: str) -> tuple[str, str]:
-    """Returns the topics that images are looked for on, by their rank.
+    """Returns the two topics that images are looked for on.
 
     Args:
-        topic: what uncompressed images are on, or any.
+        topic: the one that the scene names.
     """
     return topic, f"{topic}/compressed"
 
@@ -103,7 +103,7 @@ class CameraImages:
         latest = -np.inf
         topic = None
         for message in messages:
-            # Of the two topics the one that comes first.
+            # Of the two topics, the one that has the first message is used.
             topic = topic or message.topic
             if message.topic != topic:
                 continue
@@ -143,4 +143,4 @@ class CameraImages:
         return image
 
     def _LeaveOut(self, topic: str, reason: str) -> None:
-        self._notes.Count(topic, "left out", "image", reason)
+        self._notes.On(topic, "image").CountLeftOut(reason)

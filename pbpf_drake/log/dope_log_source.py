@@ -20,10 +20,10 @@ class DopeLogSource(LeafSystem):
         output_ports:
         - dope_measurement
 
-    Output ``dope_measurement``: a DopeMeasurement: of every object the
-    detection with the latest stamp of those received until the context's
-    time, in the world: X_WO = X_WC X_CO. Before an object is first detected it
-    has no entry.
+    Output ``dope_measurement``: a DopeMeasurement with poses in the world,
+    X_WO = X_WC X_CO. Its entry for an object is, of the detections that were
+    received by the context's time, the one with the latest stamp. An object
+    that has not been detected yet has no entry.
 
     The context's time 0 is the log's start.
     """

@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 from pydrake.math import RigidTransform
 
-from pbpf_drake.bags.log_notes import LogNotes
+from pbpf_drake.bags.log_notes import LogNotes, TopicNotes
 from pbpf_drake.config.log_topics import LogTopics, frame_name
-from pbpf_drake.log.log_cleaning import PoseSample, is_usable, unit
-from pbpf_drake.log.log_clock import Stamped
+from pbpf_drake.log.log_samples import PoseSample, Stamped
+from pbpf_drake.log.pose_checks import is_usable_pose, unit
 from pbpf_drake.log.transform_tree import (
+    PoseArrays,
     TransformTree,
     compose,
     make_transform_tree,
@@ -19,16 +20,14 @@ from pbpf_drake.poses.pose_conversion import pose_array, rigid_transform
 from pbpf_drake.poses.pose_statistics import mean_pose
 from pbpf_drake.poses.quaternions import angle_between
 
-# A camera that moves further is not fixed (in meters and radians).
+# A camera that moves further than this is not at rest (in meters and radians).
 _MAX_CAMERA_MOTION = (0.01, 0.02)
 # The name of the motion capture's own frame, whatever the log calls it.
 _CAPTURE = "motion capture"
 
-_Poses = tuple[np.ndarray, np.ndarray]
-
 
 class LogFrames:
-    """What the log's frames are in the scene.
+    """Where the log's frames are in the scene.
 
     Attributes:
         X_WC: the camera's pose in the world; None where the log doesn't say
@@ -40,7 +39,7 @@ class LogFrames:
         *,
         topics: LogTopics,
         tree: TransformTree,
-        base: Sequence[Stamped],
+        base: Sequence[Stamped[PoseSample]],
         camera: RigidTransform,
         notes: LogNotes,
     ):
@@ -49,8 +48,8 @@ class LogFrames:
         Args:
             topics: names the frames.
             tree: what tf says.
-            base: FramedPoses of the reference frame as the ground truth's own
-                system sees it; empty where tf connects the two.
+            base: poses of the reference frame as the ground truth's own system
+                sees it; empty where tf connects the two.
             camera: where the scene says that the camera is.
             notes: says what is not as it should be.
         """
@@ -64,23 +63,25 @@ class LogFrames:
         self._camera = self.X_WC or camera
 
     def InCamera(
-        self, messages: Sequence[Stamped], topic: str
-    ) -> list[Stamped]:
-        """Returns detections whose poses are X_CO.
+        self, messages: Sequence[Stamped[PoseSample]], notes: TopicNotes
+    ) -> list[Stamped[PoseSample]]:
+        """Returns detections whose poses are X_CO, whatever their frames.
 
         Args:
-            messages: with FramedPoses.
-            topic: where they are from, for messages.
+            messages: poses in the frames that they name.
+            notes: counts what is left out.
         """
         if not self._reference:
             return list(messages)
-        return self._ByFrame(messages, topic, "detection", self._Detected)
+        return self._Resolve(messages, notes, self._DetectedInCamera)
 
-    def InWorld(self, messages: Sequence[Stamped], topic: str) -> list[Stamped]:
-        """Returns ground truth whose poses are X_WO; see InCamera."""
+    def InWorld(
+        self, messages: Sequence[Stamped[PoseSample]], notes: TopicNotes
+    ) -> list[Stamped[PoseSample]]:
+        """Returns true poses that are X_WO; see InCamera."""
         if not self._reference:
             return list(messages)
-        return self._ByFrame(messages, topic, "message", self._True)
+        return self._Resolve(messages, notes, self._TrueInWorld)
 
     def _FindCamera(self) -> RigidTransform | None:
         frame = self._camera_frame
@@ -103,11 +104,13 @@ class LogFrames:
         if not len(poses):
             return None
         mean = mean_pose(poses, np.full(len(poses), 1 / len(poses)))
-        self._CheckThatItRests(poses, mean)
-        # One that is static is kept to the bit.
+        self._CheckThatCameraRests(poses, mean)
+        # A static pose is kept to the bit.
         return rigid_transform(poses[0] if len(poses) == 1 else mean)
 
-    def _CheckThatItRests(self, poses: np.ndarray, mean: np.ndarray) -> None:
+    def _CheckThatCameraRests(
+        self, poses: np.ndarray, mean: np.ndarray
+    ) -> None:
         distance = np.linalg.norm(poses[:, 4:] - mean[4:], axis=1).max()
         angle = angle_between(poses[:, :4], mean[:4]).max()
         if distance > _MAX_CAMERA_MOTION[0] or angle > _MAX_CAMERA_MOTION[1]:
@@ -117,23 +120,22 @@ class LogFrames:
                 "pose; poses in the world are not affected"
             )
 
-    def _ByFrame(
+    def _Resolve(
         self,
-        messages: Sequence[Stamped],
-        topic: str,
-        noun: str,
-        resolve: Callable[[str, np.ndarray, _Poses], _Poses],
-    ) -> list[Stamped]:
-        """Returns the messages with poses that ``resolve`` finds.
+        messages: Sequence[Stamped[PoseSample]],
+        notes: TopicNotes,
+        resolve: Callable[[str, np.ndarray, PoseArrays], PoseArrays],
+    ) -> list[Stamped[PoseSample]]:
+        """Returns the messages with the poses that ``resolve`` returns.
 
-        It is called once for every frame, with the times of the messages in
-        it (in nanoseconds) and their poses.
+        ``resolve`` is called once for every frame. It gets the frame's name,
+        and the times (in nanoseconds) and poses of the messages in it.
         """
-        by_frame: dict[str, list[Stamped]] = {}
+        by_frame: dict[str, list[Stamped[PoseSample]]] = {}
         for m in messages:
-            if is_usable(m.value.pose, topic, noun, self._notes):
+            if is_usable_pose(m.value, notes):
                 by_frame.setdefault(m.value.frame, []).append(m)
-        placed: list[Stamped] = []
+        placed: list[Stamped[PoseSample]] = []
         for frame, group in by_frame.items():
             reason = (
                 f"in the frame {frame!r}, which nothing connects to "
@@ -143,37 +145,45 @@ class LogFrames:
             q, p = resolve(frame, times, _poses(group))
             for i, m in enumerate(group):
                 if np.all(np.isfinite(p[i])):
-                    pose = replace(m.value, pose=PoseSample(q[i], p[i]))
+                    pose = replace(m.value, q=q[i], p=p[i])
                     placed.append(replace(m, value=pose))
                 else:
-                    self._notes.Count(topic, "left out", noun, reason)
+                    notes.CountLeftOut(reason)
         return sorted(placed, key=lambda m: m.received)
 
-    def _Detected(self, frame: str, times: np.ndarray, own: _Poses) -> _Poses:
+    def _DetectedInCamera(
+        self, frame: str, times: np.ndarray, own: PoseArrays
+    ) -> PoseArrays:
         if self.X_WC is None and frame == self._camera_frame:
             return own
         X_CW = _constant(self._camera.inverse(), len(times))
-        return compose(X_CW, self._Placed(self._tree, frame, times, own))
+        return compose(X_CW, self._WorldPoses(self._tree, frame, times, own))
 
-    def _True(self, frame: str, times: np.ndarray, own: _Poses) -> _Poses:
+    def _TrueInWorld(
+        self, frame: str, times: np.ndarray, own: PoseArrays
+    ) -> PoseArrays:
         if self._base is not None:
-            return self._Placed(self._base, _CAPTURE, times, own)
-        return self._Placed(self._tree, frame, times, own)
+            return self._WorldPoses(self._base, _CAPTURE, times, own)
+        return self._WorldPoses(self._tree, frame, times, own)
 
-    def _Placed(
-        self, tree: TransformTree, frame: str, times: np.ndarray, own: _Poses
-    ) -> _Poses:
+    def _WorldPoses(
+        self,
+        tree: TransformTree,
+        frame: str,
+        times: np.ndarray,
+        own: PoseArrays,
+    ) -> PoseArrays:
         """Returns the poses in the world of what is in a frame."""
         X_RF = tree.Resolve(frame, self._reference, times)
         return compose(self._FromReference(X_RF), own)
 
-    def _FromReference(self, X_RF: _Poses) -> _Poses:
+    def _FromReference(self, X_RF: PoseArrays) -> PoseArrays:
         X_WR = _constant(self._topics.ReferencePose(), len(X_RF[0]))
         return compose(X_WR, X_RF)
 
 
 def _base_tree(
-    base: Sequence[Stamped], reference: str, notes: LogNotes
+    base: Sequence[Stamped[PoseSample]], reference: str, notes: LogNotes
 ) -> TransformTree | None:
     if not base:
         return None
@@ -184,11 +194,11 @@ def _base_tree(
     return make_transform_tree(named, (), notes=notes)
 
 
-def _poses(messages: Sequence[Stamped]) -> _Poses:
-    poses = [m.value.pose for m in messages]
+def _poses(messages: Sequence[Stamped[PoseSample]]) -> PoseArrays:
+    poses = [m.value for m in messages]
     return np.array([unit(s.q) for s in poses]), np.array([s.p for s in poses])
 
 
-def _constant(pose: RigidTransform, count: int) -> _Poses:
+def _constant(pose: RigidTransform, count: int) -> PoseArrays:
     row = pose_array(pose)
     return np.tile(row[:4], (count, 1)), np.tile(row[4:], (count, 1))

@@ -5,20 +5,19 @@ from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import plural
-from pbpf_drake.bags.ros2_messages import COMPRESSED_IMAGE, IMAGE
+from pbpf_drake.bags.ros2_messages import COMPRESSED_IMAGE, IMAGE, is_one_of
 from pbpf_drake.config.log_topics import frame_name, is_frame
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.log.camera_images import image_topics
 from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.log.log_records import Log
-from pbpf_drake.log.log_samples import (
+from pbpf_drake.log.log_sources import LogSources
+from pbpf_drake.log.log_survey import LogSurvey, SurveyLog
+from pbpf_drake.log.sample_extraction import (
     DETECTION_TYPES,
     JOINT_TYPES,
     TRUTH_TYPES,
-    is_one_of,
 )
-from pbpf_drake.log.log_sources import LogSources
-from pbpf_drake.log.log_survey import LogSurvey, survey_log
 
 
 def InspectLog(
@@ -36,7 +35,7 @@ def InspectLog(
     """
     path = Path(filename).expanduser()
     try:
-        survey = survey_log(path)
+        survey = SurveyLog(path)
     except LogError as error:
         raise LogError(f"Log {path}: {error}") from error
     log: Log | LogError

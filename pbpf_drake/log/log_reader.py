@@ -1,43 +1,42 @@
 """Reads a log, whatever file it is in.
 
-A file is opened by its container's stream, its messages are decoded, and what
-they say becomes records. What can be used is used: messages that are damaged,
-not finite, twice there or out of order cost no more than themselves, and the
-log's warnings count them. A log that the filter can't run on is refused with a
+What messages say becomes samples, which are placed in time and brought from
+the log's frames to the scene's. Then they become records: log_samples.py lists
+these forms. What can be used is used: messages that are damaged, not finite,
+twice there or out of order cost no more than themselves, and the log's
+warnings count them. A log that the filter can't run on is refused with a
 LogError.
 """
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TypeVar
 
-from pbpf_drake.bags.log_container import OpenLogStream
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import LogNotes
-from pbpf_drake.bags.log_stream import RawMessage
-from pbpf_drake.bags.message_decoder import MessageDecoder
-from pbpf_drake.bags.ros2_messages import DETECTION_ARRAY
+from pbpf_drake.bags.ros2_messages import DETECTION_ARRAY, is_one_of
 from pbpf_drake.config.log_topics import is_frame
 from pbpf_drake.config.scene_config import Scene
-from pbpf_drake.log.log_cleaning import (
-    is_usable,
-    make_detections,
-    make_joint_record,
-    make_pose_record,
-)
-from pbpf_drake.log.log_clock import RawStamped, Stamped, stamp_messages
+from pbpf_drake.log.detection_cleaning import make_detection_records
+from pbpf_drake.log.joint_cleaning import make_joint_record
+from pbpf_drake.log.log_clock import find_clock
 from pbpf_drake.log.log_frames import LogFrames
 from pbpf_drake.log.log_records import DetectionRecord, Log, PoseRecord
-from pbpf_drake.log.log_samples import extract_samples, is_one_of
-from pbpf_drake.log.log_sources import ANY, LogSources, from_source
+from pbpf_drake.log.log_samples import (
+    JointSample,
+    PoseSample,
+    RawStamped,
+    Stamped,
+)
+from pbpf_drake.log.log_sources import LogSources
+from pbpf_drake.log.pose_checks import is_usable_pose
+from pbpf_drake.log.sample_reader import LogSamples, ReadSamples
 from pbpf_drake.log.tf_joints import tf_joint_samples
 from pbpf_drake.log.transform_tree import TransformTree, make_transform_tree
+from pbpf_drake.log.truth_cleaning import make_pose_record
 
-_ARRAYS = (DETECTION_ARRAY,)
-# Of 64 bits with a sign (in nanoseconds), which is in the year 2262.
-_MAX_TIME = 2**63 - 1
-_Timed = TypeVar("_Timed", RawStamped, Stamped)
+_Joints = list[Stamped[JointSample]]
+# By topic, what its messages say.
+_Poses = Mapping[str, list[Stamped[PoseSample]]]
 
 
 def ReadLog(
@@ -65,7 +64,7 @@ def ReadLog(
     """
     path = Path(filename).expanduser()
     try:
-        return _LogReader(path, scene, joint_names).Read()
+        return _LogReader(scene, joint_names).Read(path)
     except LogError as error:
         raise LogError(f"Log {path}: {error}") from error
 
@@ -73,68 +72,57 @@ def ReadLog(
 class _LogReader:
     """Everything that is known while one file is read."""
 
-    def __init__(self, path: Path, scene: Scene, joint_names: Sequence[str]):
+    def __init__(self, scene: Scene, joint_names: Sequence[str]):
         self._scene = scene
         self._joint_names = _joints_in_log(scene, joint_names)
         self._sources = LogSources(scene)
-        self._stream = OpenLogStream(path, self._sources.types)
-        self._decoder = MessageDecoder()
         self._notes = LogNotes()
 
-    def Read(self) -> Log:
-        raw: dict[str, list[RawStamped]] = {t: [] for t in self._sources.types}
-        for message in self._stream.Messages():
-            self._CheckType(message)
-            raw[message.topic] += self._Decode(message)
-        for sentence in self._stream.damage:
-            self._notes.Add(sentence)
-        reference = self._sources.joints
-        if not raw[reference]:
-            raise LogError(self._NoJointStates())
-        # Latched long before the log, and true at all times.
-        static = raw.pop(self._scene.topics.tf_static, [])
-        messages = stamp_messages(raw, reference=reference, notes=self._notes)
-        topics, notes = self._scene.topics, self._notes
-        tree = make_transform_tree(
-            _usable(messages.get(topics.tf, []), topics.tf, notes),
-            _usable(static, topics.tf_static, notes),
-            notes=notes,
+    def Read(self, path: Path) -> Log:
+        samples = ReadSamples(path, self._sources.types, self._notes)
+        joints, poses = self._PlaceInTime(samples)
+        # What tf says once for all times may have been sent long before.
+        static = samples.poses.get(self._scene.topics.tf_static, [])
+        tree = self._MakeTree(poses, static)
+        frames = self._MakeFrames(poses, tree)
+        if self._scene.topics.tf_joints:
+            names = list(self._joint_names)
+            joints = tf_joint_samples(tree, self._scene.topics, names)
+        record, start = make_joint_record(
+            joints,
+            names=self._joint_names,
+            notes=self._notes.On(self._sources.joints, "message"),
         )
-        return self._MakeLog(messages, tree)
+        detections = self._Detections(poses, samples.types, frames, start)
+        truth = self._GroundTruth(poses, frames, start)
+        return Log(
+            joints=record,
+            detections=detections,
+            ground_truth=truth,
+            start_time=start,
+            warnings=self._notes.Sentences(),
+            X_WC=frames.X_WC,
+        )
 
-    def _CheckType(self, message: RawMessage) -> None:
-        expected = self._sources.types[message.topic]
-        if not is_one_of(message.type, expected):
-            raise LogError(
-                f"topic {message.topic} has messages of type {message.type!r}"
-                f"; expected {' or '.join(expected)}"
-            )
-        if message.encoding not in ("cdr", "ros1"):
-            raise LogError(
-                f"topic {message.topic} has messages encoded as "
-                f"{message.encoding!r}; expected cdr or ros1, as ROS 2 and "
-                "ROS 1 record them"
-            )
+    def _PlaceInTime(self, samples: LogSamples) -> tuple[_Joints, _Poses]:
+        source, topics = self._sources.joints, self._scene.topics
+        # The messages that say where the joints are: they have little delay.
+        reference: Sequence[RawStamped[object]] = samples.joints
+        if topics.tf_joints:
+            reference = samples.poses[source]
+        if not reference:
+            raise LogError(self._NoJointStates(samples.types))
+        clock = find_clock(reference, self._notes)
+        notes = self._notes.On(source, "message")
+        joints = clock.Place(samples.joints, notes)
+        poses = {
+            topic: clock.Place(said, self._notes.On(topic, "message"))
+            for topic, said in samples.poses.items()
+            if topic != topics.tf_static
+        }
+        return joints, poses
 
-    def _Decode(self, message: RawMessage) -> list[RawStamped]:
-        """Returns what a message says; nothing if it is damaged."""
-        try:
-            if message.log_time > _MAX_TIME:
-                raise ValueError("the time can't be")
-            decoded = self._decoder.Decode(message)
-            samples = extract_samples(message.type, decoded)
-        except Exception:  # Damage can show in any way.
-            self._notes.Count(
-                message.topic, "left out", "message", "that can't be decoded"
-            )
-            return []
-        return [
-            RawStamped(message.log_time, stamp, value)
-            for stamp, value in samples
-        ]
-
-    def _NoJointStates(self) -> str:
-        types = self._stream.types
+    def _NoJointStates(self, types: Mapping[str, str]) -> str:
         there = ", ".join(f"{t} ({types[t]})" for t in sorted(types))
         topic = self._sources.joints
         expected = " or ".join(self._sources.types[topic])
@@ -144,52 +132,55 @@ class _LogReader:
             + "".join(f"; {s}" for s in self._notes.Sentences())
         )
 
-    def _MakeLog(
-        self, messages: dict[str, list[Stamped]], tree: TransformTree
-    ) -> Log:
-        topics, notes = self._scene.topics, self._notes
-        base = messages.get(topics.ground_truth_base, [])
-        frames = LogFrames(
-            topics=topics,
-            tree=tree,
-            base=_usable(base, topics.ground_truth_base, notes),
-            camera=self._scene.camera.pose(),
-            notes=notes,
-        )
-        joints = messages[self._sources.joints]
-        if topics.tf_joints:
-            joints = tf_joint_samples(tree, topics, list(self._joint_names))
-        record, start = make_joint_record(
-            joints,
-            names=self._joint_names,
-            topic=self._sources.joints,
-            notes=notes,
-        )
-        detections = self._Detections(messages, frames, start)
-        truth = self._GroundTruth(messages, frames, start)
-        return Log(
-            record, detections, truth, start, notes.Sentences(), frames.X_WC
+    def _MakeTree(
+        self, poses: _Poses, static: Sequence[RawStamped[PoseSample]]
+    ) -> TransformTree:
+        topics = self._scene.topics
+        notes = self._notes.On(topics.tf_static, "transform")
+        return make_transform_tree(
+            self._Transforms(poses, topics.tf),
+            [m.value for m in static if is_usable_pose(m.value, notes)],
+            notes=self._notes,
         )
 
+    def _MakeFrames(self, poses: _Poses, tree: TransformTree) -> LogFrames:
+        topics = self._scene.topics
+        return LogFrames(
+            topics=topics,
+            tree=tree,
+            base=self._Transforms(poses, topics.ground_truth_base),
+            camera=self._scene.camera.pose(),
+            notes=self._notes,
+        )
+
+    def _Transforms(
+        self, poses: _Poses, topic: str
+    ) -> list[Stamped[PoseSample]]:
+        """Returns the poses of a topic that a tree can be made of."""
+        notes = self._notes.On(topic, "transform")
+        said = poses.get(topic, [])
+        return [m for m in said if is_usable_pose(m.value, notes)]
+
     def _Detections(
-        self, messages: dict[str, list[Stamped]], frames: LogFrames, start: int
+        self,
+        poses: _Poses,
+        types: Mapping[str, str],
+        frames: LogFrames,
+        start: int,
     ) -> tuple[DetectionRecord, ...]:
         topics = self._scene.topics
         found: list[DetectionRecord] = []
         for source, name in self._sources.detections.items():
             # An array names its objects, also on a topic for one of them.
-            if is_one_of(self._stream.types.get(source, ""), _ARRAYS):
-                name = ANY
-            seen = from_source(messages, source, topics.tf)
-            found += make_detections(
-                [
-                    replace(m, value=(self._ClassId(m, name), m.value.pose))
-                    for m in frames.InCamera(seen, source)
-                ],
+            names_them = is_one_of(types.get(source, ""), (DETECTION_ARRAY,))
+            notes = self._notes.On(source, "detection")
+            seen = self._sources.Poses(poses, source)
+            found += make_detection_records(
+                frames.InCamera(seen, notes),
+                name=None if names_them else name,
                 names_by_class=self._scene.object_by_class(),
                 start=start,
-                topic=source,
-                notes=self._notes,
+                notes=notes,
             )
         if not found:
             kind = "in" if is_frame(topics.detections) else "on the topic"
@@ -200,34 +191,21 @@ class _LogReader:
             )
         return tuple(sorted(found, key=lambda d: (d.received, d.time, d.name)))
 
-    def _ClassId(self, message: Stamped, name: str) -> str:
-        if name == ANY:
-            return message.value.name
-        return self._scene.tracked[name].class_id or name
-
     def _GroundTruth(
-        self, messages: dict[str, list[Stamped]], frames: LogFrames, start: int
+        self, poses: _Poses, frames: LogFrames, start: int
     ) -> dict[str, PoseRecord]:
         found = {}
         for name, source in self._sources.ground_truth.items():
-            poses = self._sources.Truth(
-                from_source(messages, source, self._scene.topics.tf), name
-            )
-            record = make_pose_record(
-                [
-                    replace(m, value=m.value.pose)
-                    for m in frames.InWorld(poses, source)
-                ],
-                start=start,
-                topic=source,
-                notes=self._notes,
-            )
+            notes = self._notes.On(source, "message")
+            placed = frames.InWorld(self._sources.Truth(poses, name), notes)
+            record = make_pose_record(placed, start=start, notes=notes)
             if record:
                 found[name] = record
         return found
 
 
 def _joints_in_log(scene: Scene, joint_names: Sequence[str]) -> dict[str, str]:
+    """Returns the joints' names in the log by their names in the model."""
     renamed = scene.topics.joint_names
     unknown = sorted(set(renamed) - set(joint_names))
     if unknown:
@@ -238,14 +216,3 @@ def _joints_in_log(scene: Scene, joint_names: Sequence[str]) -> dict[str, str]:
     if scene.topics.tf_joints:
         return {name: name for name in joint_names}
     return {name: renamed.get(name, name) for name in joint_names}
-
-
-def _usable(
-    messages: Sequence[_Timed], topic: str, notes: LogNotes
-) -> list[_Timed]:
-    """Returns the messages whose FramedPoses can be used."""
-    return [
-        m
-        for m in messages
-        if is_usable(m.value.pose, topic, "transform", notes)
-    ]

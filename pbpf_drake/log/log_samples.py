@@ -1,131 +1,84 @@
-"""What the messages of a log say, whatever their type."""
+"""What a message says, in all its forms between the file and the records.
 
-from collections.abc import Callable, Sequence
+1. A RawMessage is what the file holds. It is decoded.
+2. sample_extraction.py makes samples of the decoded message: a JointSample,
+   or a PoseSample for each pose in it. A RawStamped holds each of them, with
+   the times that the file gives.
+3. log_clock.py places them in time: now a Stamped holds each of them.
+   log_frames.py changes poses in some frame to poses in the camera or in the
+   world.
+4. The cleaning modules leave out what can't be used, and make records of the
+   rest.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Generic, TypeVar
 
 import numpy as np
 
-from pbpf_drake.bags.ros2_messages import (
-    DETECTION_ARRAY,
-    JOINT_STATE,
-    POSE_STAMPED,
-    POSE_WITH_COVARIANCE_STAMPED,
-    TF_MESSAGE,
-    TRANSFORM_STAMPED,
-    pose_arrays,
-    short_type_name,
-    stamp_of,
-    transform_arrays,
-)
-from pbpf_drake.config.log_topics import frame_name
-from pbpf_drake.log.log_cleaning import JointSample, PoseSample
+# What a message says: a JointSample or a PoseSample.
+SampleT = TypeVar("SampleT", covariant=True)
 
 
 @dataclass(frozen=True)
-class FramedPose:
-    """A pose of something in some frame.
+class JointSample:
+    """What a JointState says.
+
+    Attributes:
+        names: of m joints.
+        positions: as many (in radians or meters), if the message is whole.
+        velocities: as many (in rad/s or m/s), or none.
+    """
+
+    names: tuple[str, ...]
+    positions: Sequence[float]
+    velocities: Sequence[float]
+
+
+@dataclass(frozen=True)
+class PoseSample:
+    """A pose of something in some frame, as a message says it.
 
     Attributes:
         frame: what the pose is in; without ROS 1's leading slash.
-        name: what it is the pose of, as the message says; may be empty.
-        pose: the pose.
+        name: what it is the pose of: a detector's class name, or a child
+            frame. Empty where the message doesn't say.
+        q: (4,) quaternion w, x, y, z, of any length.
+        p: (3,) position (in meters).
     """
 
     frame: str
     name: str
-    pose: PoseSample
+    q: np.ndarray
+    p: np.ndarray
 
 
-# One part of a message: its stamp (in nanoseconds), and what it says.
-Sample = tuple[int, Any]
+@dataclass(frozen=True)
+class RawStamped(Generic[SampleT]):
+    """A sample with the times that the file gives.
 
-
-def extract_samples(kind: str, message: Any) -> list[Sample]:
-    """Returns what a decoded message says.
-
-    Args:
-        kind: its type, one of those in the lists below.
-        message: the decoded message.
-
-    Returns:
-        A JointSample with its stamp, or FramedPoses with theirs.
+    Attributes:
+        log_time: when its message was recorded (in nanoseconds).
+        stamp: the stamp in its header (in nanoseconds); 0 means none.
+        value: the sample.
     """
-    return _EXTRACT[short_type_name(kind)](message)
+
+    log_time: int
+    stamp: int
+    value: SampleT
 
 
-def _joint_state(message: Any) -> list[Sample]:
-    sample = JointSample(
-        tuple(message.name), message.position, message.velocity
-    )
-    return [(stamp_of(message.header), sample)]
+@dataclass(frozen=True)
+class Stamped(Generic[SampleT]):
+    """A sample placed in time.
 
+    Attributes:
+        time: when it was so (in nanoseconds since the epoch).
+        received: when it became known, not before (in nanoseconds).
+        value: the sample.
+    """
 
-def _pose_stamped(message: Any) -> list[Sample]:
-    return [_framed(message.header, "", pose_arrays(message.pose))]
-
-
-def _pose_with_covariance(message: Any) -> list[Sample]:
-    return [_framed(message.header, "", pose_arrays(message.pose.pose))]
-
-
-def _transform(message: Any) -> list[Sample]:
-    arrays = transform_arrays(message.transform)
-    name = frame_name(message.child_frame_id)
-    return [_framed(message.header, name, arrays)]
-
-
-def _tf(message: Any) -> list[Sample]:
-    return [s for t in message.transforms for s in _transform(t)]
-
-
-def _detections(message: Any) -> list[Sample]:
-    return [
-        _framed(message.header, *_best_result(d.results))
-        for d in message.detections
-    ]
-
-
-def _best_result(
-    results: Sequence[Any],
-) -> tuple[str, tuple[np.ndarray, np.ndarray]]:
-    if not results:
-        return "", (np.zeros(4), np.zeros(3))
-    # Before ROS 2 Humble a result had no hypothesis, and an id in its place.
-    hypotheses = [getattr(result, "hypothesis", result) for result in results]
-    best = max(range(len(results)), key=lambda i: hypotheses[i].score)
-    class_id = getattr(hypotheses[best], "class_id", None)
-    if class_id is None:
-        class_id = hypotheses[best].id
-    return str(class_id), pose_arrays(results[best].pose.pose)
-
-
-def _framed(
-    header: Any, name: str, arrays: tuple[np.ndarray, np.ndarray]
-) -> Sample:
-    frame = frame_name(header.frame_id)
-    pose = FramedPose(frame, name, PoseSample(*arrays))
-    return stamp_of(header), pose
-
-
-_EXTRACT: dict[str, Callable[[Any], list[Sample]]] = {
-    short_type_name(JOINT_STATE): _joint_state,
-    short_type_name(POSE_STAMPED): _pose_stamped,
-    short_type_name(POSE_WITH_COVARIANCE_STAMPED): _pose_with_covariance,
-    short_type_name(TRANSFORM_STAMPED): _transform,
-    short_type_name(DETECTION_ARRAY): _detections,
-    short_type_name(TF_MESSAGE): _tf,
-    # Its name before tf2.
-    "tf/tfMessage": _tf,
-}
-
-_ONE_POSE = (POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, TRANSFORM_STAMPED)
-JOINT_TYPES = (JOINT_STATE,)
-DETECTION_TYPES = (DETECTION_ARRAY, *_ONE_POSE)
-TRUTH_TYPES = _ONE_POSE
-TF_TYPES = (TF_MESSAGE, "tf/tfMessage")
-
-
-def is_one_of(kind: str, types: Sequence[str]) -> bool:
-    """Tells if a type is one of several."""
-    return short_type_name(kind) in {short_type_name(t) for t in types}
+    time: int
+    received: int
+    value: SampleT

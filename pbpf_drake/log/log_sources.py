@@ -4,17 +4,16 @@ from collections.abc import Mapping, Sequence
 
 from pbpf_drake.config.log_topics import for_object, frame_name, is_frame
 from pbpf_drake.config.scene_config import Scene
-from pbpf_drake.log.log_clock import Stamped
-from pbpf_drake.log.log_samples import (
+from pbpf_drake.log.log_samples import PoseSample, Stamped
+from pbpf_drake.log.sample_extraction import (
     DETECTION_TYPES,
     JOINT_TYPES,
     TF_TYPES,
     TRUTH_TYPES,
-    FramedPose,
 )
 
-# What a message of a topic that is one object's is taken as the pose of.
-ANY = ""
+# By topic, what its messages say.
+_Poses = Mapping[str, Sequence[Stamped[PoseSample]]]
 
 
 class LogSources:
@@ -25,7 +24,7 @@ class LogSources:
     Attributes:
         types: by topic, the types that its messages may have.
         joints: the topic that joint positions are from.
-        detections: by source, the object that it is of; ANY where messages
+        detections: by source, the object that it is of; None where messages
             name their objects.
         ground_truth: by the object's name, its source.
     """
@@ -37,17 +36,17 @@ class LogSources:
             scene: names topics, frames and objects.
         """
         topics = scene.topics
+        self._tf = topics.tf
         self._truth_ids = scene.ground_truth_ids()
         self._names_truth = "{name}" in topics.ground_truth
         class_ids = {v: k for k, v in scene.object_by_class().items()}
         self.joints = topics.tf if topics.tf_joints else topics.joint_states
+        self.detections: dict[str, str | None] = {topics.detections: None}
         if "{name}" in topics.detections or len(class_ids) == 1:
             self.detections = {
                 for_object(topics.detections, class_id): name
                 for name, class_id in class_ids.items()
             }
-        else:
-            self.detections = {topics.detections: ANY}
         self.ground_truth = {
             name: for_object(topics.ground_truth, truth_id)
             for name, truth_id in self._truth_ids.items()
@@ -72,29 +71,27 @@ class LogSources:
                 types.setdefault(source, accepted)
         return types
 
-    def Truth(self, messages: Sequence[Stamped], name: str) -> list[Stamped]:
-        """Returns what of a topic's FramedPoses is of one object."""
+    def Poses(self, poses: _Poses, source: str) -> list[Stamped[PoseSample]]:
+        """Returns what a source says.
+
+        Args:
+            poses: by topic.
+            source: a topic, or "tf:" and a frame.
+        """
+        if not is_frame(source):
+            return list(poses.get(source, ()))
+        frame = frame_name(source)
+        return [m for m in poses.get(self._tf, ()) if m.value.name == frame]
+
+    def Truth(self, poses: _Poses, name: str) -> list[Stamped[PoseSample]]:
+        """Returns what the source of one object's true poses says of it.
+
+        Args:
+            poses: by topic.
+            name: of the tracked model.
+        """
+        said = self.Poses(poses, self.ground_truth[name])
         if self._names_truth or len(self._truth_ids) == 1:
-            return list(messages)
+            return said
         wanted = frame_name(self._truth_ids[name])
-        return [m for m in messages if frame_name(m.value.name) == wanted]
-
-
-def from_source(
-    messages: Mapping[str, Sequence[Stamped]], source: str, tf: str
-) -> list[Stamped]:
-    """Returns the FramedPoses of a source.
-
-    Args:
-        messages: by topic.
-        source: a topic, or "tf:" and a frame.
-        tf: the topic of tf.
-    """
-    if not is_frame(source):
-        return list(messages.get(source, ()))
-    frame = frame_name(source)
-    return [
-        m
-        for m in messages.get(tf, ())
-        if isinstance(m.value, FramedPose) and m.value.name == frame
-    ]
+        return [m for m in said if frame_name(m.value.name) == wanted]

@@ -7,11 +7,12 @@ from pathlib import Path
 from pbpf_drake.bags.log_container import OpenLogStream
 from pbpf_drake.bags.log_stream import RawMessage
 from pbpf_drake.bags.message_decoder import MessageDecoder
-from pbpf_drake.log.log_samples import (
+from pbpf_drake.bags.ros2_messages import is_one_of
+from pbpf_drake.log.sample_extraction import (
     JOINT_TYPES,
     TF_TYPES,
-    extract_samples,
-    is_one_of,
+    extract_joints,
+    extract_poses,
 )
 
 
@@ -44,7 +45,8 @@ class LogSurvey:
     Attributes:
         kind: what kind of file it is.
         topics: by name.
-        frames: how often tf tells of a frame in its parent, by both names.
+        frames: how often tf says where a frame is in its parent, by the
+            names of the two.
         joints: names of joints, by topic.
         damage: sentences on what can't be read.
     """
@@ -56,7 +58,7 @@ class LogSurvey:
     damage: list[str] = field(default_factory=list)
 
 
-def survey_log(path: Path) -> LogSurvey:
+def SurveyLog(path: Path) -> LogSurvey:
     """Returns what is in a log.
 
     Args:
@@ -85,9 +87,8 @@ def _look_inside(
     message: RawMessage, decoder: MessageDecoder, survey: LogSurvey
 ) -> None:
     if is_one_of(message.type, TF_TYPES):
-        decoded = decoder.Decode(message)
-        for _, pose in extract_samples(message.type, decoded):
-            survey.frames[pose.name, pose.frame] += 1
+        for sample in extract_poses(message, decoder.Decode(message)):
+            survey.frames[sample.value.name, sample.value.frame] += 1
     elif is_one_of(message.type, JOINT_TYPES):
-        names = decoder.Decode(message).name
-        survey.joints.setdefault(message.topic, set()).update(names)
+        joints = extract_joints(message, decoder.Decode(message)).value
+        survey.joints.setdefault(message.topic, set()).update(joints.names)

@@ -6,16 +6,15 @@ import numpy as np
 
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.config.log_topics import LogTopics, frame_name
-from pbpf_drake.log.log_cleaning import JointSample
-from pbpf_drake.log.log_clock import Stamped
+from pbpf_drake.log.log_samples import JointSample, Stamped
 from pbpf_drake.log.transform_tree import TransformTree
 from pbpf_drake.poses.quaternions import rotate
 
 
 def tf_joint_samples(
     tree: TransformTree, topics: LogTopics, names: Sequence[str]
-) -> list[Stamped]:
-    """Returns JointSamples of joints that ``topics.tf_joints`` tells of.
+) -> list[Stamped[JointSample]]:
+    """Returns samples of the joints that ``topics.tf_joints`` names.
 
     There is one whenever a frame on the way to the reference frame was
     measured. The coordinates are those in the world.
@@ -34,7 +33,8 @@ def tf_joint_samples(
             f"expected the robot's joints {list(names)}"
         )
     columns = [_coordinate(topics.tf_joints[name]) for name in names]
-    frames = {frame for frame, _ in columns}
+    # In this order, so that the same log always gets the same error.
+    frames = list(dict.fromkeys(frame for frame, _ in columns))
     reference = frame_name(topics.reference_frame)
     times = _sample_times(tree, frames, reference)
     X_WR = topics.ReferencePose()

@@ -11,13 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from pbpf_drake.bags.log_notes import LogNotes
-from pbpf_drake.log.log_clock import RawStamped, Stamped
 from pbpf_drake.log.log_records import PoseRecord
+from pbpf_drake.log.log_samples import PoseSample, Stamped
 from pbpf_drake.log.pose_interpolation import find_segments, interpolate_poses
 from pbpf_drake.poses.quaternions import conjugate, multiply, normalize, rotate
 
-# A moving frame is known up to so far from a sample (in nanoseconds): between
-# two samples, and before the first and after the last one.
+# Of N poses: (N, 4) unit quaternions w, x, y, z, and (N, 3) in meters.
+PoseArrays = tuple[np.ndarray, np.ndarray]
+
+# How far from a sample the pose of a moving frame is still known (in
+# nanoseconds): between two samples, and before the first or after the last one.
 _MAX_GAP = 500_000_000
 _MAX_HOLD = 100_000_000
 
@@ -39,7 +42,7 @@ class FrameMotion:
     p: np.ndarray
     static: bool
 
-    def At(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def At(self, times: np.ndarray) -> PoseArrays:
         """Returns q (T, 4) and p (T, 3); NaN where it isn't known."""
         if self.static:
             count = len(times)
@@ -112,7 +115,7 @@ class TransformTree:
 
     def Resolve(
         self, frame: str, reference: str, times: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    ) -> PoseArrays:
         """Returns the poses of a frame in another at given times.
 
         Args:
@@ -135,7 +138,7 @@ class TransformTree:
 
     def _InAncestor(
         self, frame: str, ancestor: str, times: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    ) -> PoseArrays:
         pose = identity(len(times))
         while frame != ancestor:
             pose = compose(self.motions[frame].At(times), pose)
@@ -143,30 +146,28 @@ class TransformTree:
         return pose
 
 
-def identity(count: int) -> tuple[np.ndarray, np.ndarray]:
+def identity(count: int) -> PoseArrays:
     """Returns q (count, 4) and p (count, 3) of no motion."""
     return np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)), np.zeros((count, 3))
 
 
-def compose(
-    X_AB: tuple[np.ndarray, np.ndarray], X_BC: tuple[np.ndarray, np.ndarray]
-) -> tuple[np.ndarray, np.ndarray]:
+def compose(X_AB: PoseArrays, X_BC: PoseArrays) -> PoseArrays:
     """Returns X_AC, as q (..., 4) and p (..., 3)."""
     q = multiply(X_AB[0], X_BC[0])
     return q, X_AB[1] + rotate(X_AB[0], X_BC[1])
 
 
 def inverse(
-    X_AB: tuple[np.ndarray, np.ndarray],
-) -> tuple[np.ndarray, np.ndarray]:
+    X_AB: PoseArrays,
+) -> PoseArrays:
     """Returns X_BA, as q (..., 4) and p (..., 3)."""
     q = conjugate(X_AB[0])
     return q, -rotate(q, X_AB[1])
 
 
 def make_transform_tree(
-    moving: Sequence[Stamped],
-    static: Sequence[RawStamped],
+    moving: Sequence[Stamped[PoseSample]],
+    static: Sequence[PoseSample],
     *,
     notes: LogNotes,
 ) -> TransformTree:
@@ -175,19 +176,19 @@ def make_transform_tree(
     A frame that never moves is taken as static, whatever topic it is on.
 
     Args:
-        moving: FramedPoses with usable poses, as they were received.
-        static: those that hold at all times; the last one counts.
+        moving: usable poses of frames in their parents, as they were
+            received.
+        static: those that hold at all times; the last one of a frame counts.
         notes: says where a frame has two parents.
     """
-    by_name: dict[str, list[Stamped]] = {}
+    by_name: dict[str, list[Stamped[PoseSample]]] = {}
     for message in moving:
         by_name.setdefault(message.value.name, []).append(message)
     motions = {
         name: _motion(name, samples, notes) for name, samples in by_name.items()
     }
-    for constant in static:
-        pose = constant.value
-        q, p = normalize(pose.pose.q)[np.newaxis], pose.pose.p[np.newaxis]
+    for pose in static:
+        q, p = normalize(pose.q)[np.newaxis], pose.p[np.newaxis]
         motions[pose.name] = FrameMotion(
             pose.frame, np.zeros(1, dtype=np.int64), q, p, True
         )
@@ -195,7 +196,7 @@ def make_transform_tree(
 
 
 def _motion(
-    name: str, samples: Sequence[Stamped], notes: LogNotes
+    name: str, samples: Sequence[Stamped[PoseSample]], notes: LogNotes
 ) -> FrameMotion:
     parents = Counter(sample.value.frame for sample in samples)
     ((parent, count),) = parents.most_common(1)
@@ -205,7 +206,7 @@ def _motion(
             f"{parent} and left out {len(samples) - count} transforms"
         )
     # Of equal stamps the last one counts.
-    by_time = {s.time: s.value.pose for s in samples if s.value.frame == parent}
+    by_time = {s.time: s.value for s in samples if s.value.frame == parent}
     times = sorted(by_time)
     q = normalize(np.array([by_time[t].q for t in times]))
     p = np.array([by_time[t].p for t in times])

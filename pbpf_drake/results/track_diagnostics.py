@@ -12,7 +12,7 @@ import numpy as np
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.scene_config import Scene
-from pbpf_drake.log.log_cleaning import JointRecord
+from pbpf_drake.log.log_records import JointRecord
 from pbpf_drake.motion.parameter_bank import DrawParameterBank, deal_parameters
 from pbpf_drake.random_streams import MakeGenerator, Stream
 from pbpf_drake.results.track_record import TrackRecord

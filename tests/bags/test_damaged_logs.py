@@ -2,11 +2,10 @@
 
 from bag_fixtures import our_entries, write_mcap, write_ros1, write_ros2
 from damage_fixtures import count_wrong, damage, expected_log, is_whole
-from log_fixtures import JOINT_NAMES, make_small_scene
+from log_fixtures import read_small_log
 import pytest
 
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.log.log_reader import ReadLog
 
 # Damaged copies of each container; the slow tests have 2,000 in all.
 FEW, MANY = 40, 400
@@ -45,11 +44,7 @@ def damaged(request, tmp_path_factory):
     for seed in range(count):
         copy.write_bytes(damage(content, seed))
         try:
-            log = ReadLog(
-                filename=copy,
-                scene=make_small_scene(),
-                joint_names=JOINT_NAMES,
-            )
+            log = read_small_log(copy)
         except LogError as error:
             assert "\n" not in str(error) and str(copy) in str(error)
             log = None

@@ -1,14 +1,12 @@
 """The same log in every container is read as the same log."""
 
 from bag_fixtures import our_entries, write_mcap, write_ros1, write_ros2
-from log_fixtures import JOINT_NAMES, make_small_log, make_small_scene
-import numpy as np
+from log_fixtures import assert_same_log, make_small_log, read_small_log
 import pytest
 import zstandard
 
 from pbpf_drake.bags.log_container import OpenLogStream
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.log.log_reader import ReadLog
 
 CONTAINERS = {
     "mcap": lambda path, e: write_mcap(path, e),
@@ -26,34 +24,11 @@ CONTAINERS = {
 }
 
 
-def _read(path):
-    return ReadLog(
-        filename=path, scene=make_small_scene(), joint_names=JOINT_NAMES
-    )
-
-
-def assert_same_log(found, log):
-    assert found.start_time == log.start_time
-    np.testing.assert_array_equal(found.joints.times, log.joints.times)
-    np.testing.assert_array_equal(found.joints.positions, log.joints.positions)
-    np.testing.assert_array_equal(
-        found.joints.velocities, log.joints.velocities
-    )
-    truth, expected = found.ground_truth["box"], log.ground_truth["box"]
-    np.testing.assert_array_equal(truth.times, expected.times)
-    np.testing.assert_array_equal(truth.p_WO, expected.p_WO)
-    np.testing.assert_array_equal(truth.q_WO, expected.q_WO)
-    assert len(found.detections) == len(log.detections)
-    for a, b in zip(found.detections, log.detections, strict=True):
-        assert (a.name, a.time, a.received) == (b.name, b.time, b.received)
-        assert a.X_CO.IsNearlyEqualTo(b.X_CO, 1e-15)
-
-
 @pytest.mark.parametrize("name", CONTAINERS)
 def test_a_log_is_the_same_in_every_container(tmp_path, name):
     log = make_small_log()
     path = CONTAINERS[name](tmp_path / "log", our_entries(log))
-    found = _read(path)
+    found = read_small_log(path)
     assert found.warnings == ()
     assert_same_log(found, log)
 
@@ -61,7 +36,7 @@ def test_a_log_is_the_same_in_every_container(tmp_path, name):
 def test_the_file_of_a_folder_can_be_read_alone(tmp_path):
     log = make_small_log()
     write_ros2(tmp_path / "log", our_entries(log))
-    found = _read(tmp_path / "log" / "log.db3")
+    found = read_small_log(tmp_path / "log" / "log.db3")
     assert found.warnings == ()
     assert_same_log(found, log)
 
@@ -70,20 +45,20 @@ def test_what_a_file_is_is_told_by_its_content_not_its_name(tmp_path):
     path = tmp_path / "log.mcap"
     write_ros1(path, our_entries(make_small_log()))
     assert OpenLogStream(path).kind == "a ROS 1 bag"
-    assert _read(path).warnings == ()
+    assert read_small_log(path).warnings == ()
 
 
-def test_a_log_that_is_compressed_as_a_whole_is_read(tmp_path):
+def test_a_log_that_is_compressed_as_a_whole_isread_small_log(tmp_path):
     log = make_small_log(num_samples=3000)
     whole = write_ros1(tmp_path / "log", our_entries(log)).read_bytes()
     packed = tmp_path / "log.bag.zstd"
     packed.write_bytes(zstandard.compress(whole))
-    found = _read(packed)
+    found = read_small_log(packed)
     assert found.warnings == ()
     assert_same_log(found, log)
     # Of one that is cut off the beginning is used.
     packed.write_bytes(packed.read_bytes()[: packed.stat().st_size * 3 // 4])
-    found = _read(packed)
+    found = read_small_log(packed)
     assert 1000 < len(found.joints.times) < 3000
     assert any("cut off" in warning for warning in found.warnings)
 
@@ -93,4 +68,4 @@ def test_a_file_of_nothing_is_refused(tmp_path, name):
     path = tmp_path / name
     path.write_bytes(b"")
     with pytest.raises(LogError, match="it is empty"):
-        _read(path)
+        read_small_log(path)

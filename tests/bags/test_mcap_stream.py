@@ -1,6 +1,11 @@
 """Damaged files: what is whole is used, and nothing is wrong silently."""
 
-from log_fixtures import JOINT_NAMES, make_small_log, make_small_scene
+from log_fixtures import (
+    has_warning,
+    make_small_log,
+    make_small_scene,
+    read_small_log,
+)
 from mcap.writer import Writer
 import numpy as np
 import pytest
@@ -8,7 +13,6 @@ import pytest
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.mcap_stream import McapStream
 from pbpf_drake.log import mcap_log_writer
-from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.log.mcap_log_writer import WriteLog
 
 CHUNK, MESSAGE_INDEX = 0x06, 0x07
@@ -46,9 +50,7 @@ def _chunks(content):
 
 def _read(path, content):
     path.write_bytes(content)
-    return ReadLog(
-        filename=path, scene=make_small_scene(), joint_names=JOINT_NAMES
-    )
+    return read_small_log(path)
 
 
 def _assert_part_of(log, expected):
@@ -138,10 +140,7 @@ def test_a_damaged_chunk_costs_only_itself(whole, tmp_path, index):
     log = _read(tmp_path / "log", _flip(whole, (at + end) // 2))
     assert 120 < len(log.joints.times) < 150
     assert "left out 1 chunk: damaged" in log.warnings
-    assert any(
-        "/joint_states has 150 messages, but" in warning
-        for warning in log.warnings
-    )
+    assert has_warning(log, "/joint_states has 150 messages, but")
     _assert_part_of(log, make_small_log(num_samples=150))
 
 
@@ -149,7 +148,7 @@ def test_a_chunk_that_is_taken_for_something_else_is_missed(whole, tmp_path):
     # An unknown kind of record has to be skipped: only the count tells.
     at, _ = _chunks(whole)[2]
     log = _read(tmp_path / "log", _flip(whole, at, 0x70))
-    assert any("but" in warning for warning in log.warnings)
+    assert has_warning(log, "but")
     _assert_part_of(log, make_small_log(num_samples=150))
 
 

@@ -2,12 +2,11 @@
 
 from bag_fixtures import our_entries, write_ros1
 from damage_fixtures import count_wrong, expected_log
-from log_fixtures import JOINT_NAMES, make_small_scene
+from log_fixtures import has_warning, read_small_log
 import pytest
 
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.ros1_records import BAG_MAGIC, CHUNK, INDEX, walk_records
-from pbpf_drake.log.log_reader import ReadLog
 
 
 @pytest.fixture(scope="module", params=["none", "bz2"])
@@ -35,13 +34,7 @@ def _records(content, kind):
 def _read(tmp_path, content):
     path = tmp_path / "log.bag"
     path.write_bytes(content)
-    return ReadLog(
-        filename=path, scene=make_small_scene(), joint_names=JOINT_NAMES
-    )
-
-
-def _has(log, text):
-    return any(text in warning for warning in log.warnings)
+    return read_small_log(path)
 
 
 def test_a_whole_bag_has_no_damage(whole, tmp_path):
@@ -56,7 +49,8 @@ def test_a_bag_that_was_broken_off_is_used_up_to_there(whole, tmp_path, share):
     complete = sum(r.end <= length for r in _records(whole, CHUNK))
     expected = 150 * complete / len(_records(whole, CHUNK))
     assert len(log.joints.times) == pytest.approx(expected, abs=25)
-    assert _has(log, "the file has no index") and _has(log, f"of {length}")
+    assert has_warning(log, "the file has no index")
+    assert has_warning(log, f"of {length}")
     assert count_wrong(log, expected_log()) == 0
 
 
@@ -66,8 +60,8 @@ def test_a_damaged_length_costs_one_chunk(whole, tmp_path):
     damaged[chunk.begin + 3] = 0x7F
     log = _read(tmp_path, bytes(damaged))
     assert 110 < len(log.joints.times) < 150
-    assert _has(log, f"left out bytes {chunk.begin} to ")
-    assert _has(log, "1 chunk can't be found")
+    assert has_warning(log, f"left out bytes {chunk.begin} to ")
+    assert has_warning(log, "1 chunk can't be found")
     assert count_wrong(log, expected_log()) == 0
 
 
@@ -87,7 +81,7 @@ def test_a_message_that_the_index_knows_otherwise_is_left_out(whole, tmp_path):
     damaged = bytearray(whole)
     damaged[index.end - 8] ^= 1  # A time.
     log = _read(tmp_path, bytes(damaged))
-    assert _has(log, "left out 1 message unlike its index")
+    assert has_warning(log, "left out 1 message unlike its index")
 
 
 def test_a_definition_with_a_wrong_checksum_is_not_used(whole, tmp_path):

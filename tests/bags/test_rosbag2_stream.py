@@ -3,19 +3,12 @@
 import shutil
 
 from bag_fixtures import our_entries, write_mcap, write_ros2
-from log_fixtures import JOINT_NAMES, make_small_log, make_small_scene
+from log_fixtures import has_warning, make_small_log, read_small_log
 import pytest
 
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.log.log_reader import ReadLog
 
 LOG = make_small_log()
-
-
-def _read(path):
-    return ReadLog(
-        filename=path, scene=make_small_scene(), joint_names=JOINT_NAMES
-    )
 
 
 @pytest.fixture(params=["sqlite3", "mcap"])
@@ -25,7 +18,7 @@ def folder(request, tmp_path):
 
 def test_without_metadata_all_files_are_read_and_it_is_said(folder):
     (folder / "metadata.yaml").unlink()
-    log = _read(folder)
+    log = read_small_log(folder)
     assert len(log.joints.times) == len(LOG.joints.times)
     (warning,) = log.warnings
     assert "metadata.yaml can't be used (there is none)" in warning
@@ -34,7 +27,7 @@ def test_without_metadata_all_files_are_read_and_it_is_said(folder):
 @pytest.mark.parametrize("text", ["", "- 1", "{", "a: b\n", "\0"])
 def test_damaged_metadata_is_no_more_than_missing(folder, text):
     (folder / "metadata.yaml").write_text(text)
-    log = _read(folder)
+    log = read_small_log(folder)
     assert len(log.joints.times) == len(LOG.joints.times)
     assert "metadata.yaml can't be used" in log.warnings[0]
 
@@ -45,7 +38,7 @@ def test_a_recording_that_was_split_is_read_as_one(tmp_path):
     folder.mkdir()
     write_mcap(folder / "log_0.mcap", entries[:40])
     write_mcap(folder / "log_1.mcap", entries[40:])
-    log = _read(folder)
+    log = read_small_log(folder)
     assert len(log.joints.times) == len(LOG.joints.times)
     assert len(log.warnings) == 1
 
@@ -55,18 +48,18 @@ def test_a_file_that_is_missing_is_said(folder, tmp_path):
     text = (folder / "metadata.yaml").read_text()
     text = text.replace(f"- {name}", f"- {name}\n  - lost{name}", 1)
     (folder / "metadata.yaml").write_text(text)
-    log = _read(folder)
+    log = read_small_log(folder)
     assert len(log.joints.times) == len(LOG.joints.times)
-    assert any(f"lost{name}: it can't be opened" in w for w in log.warnings)
+    assert has_warning(log, f"lost{name}: it can't be opened")
 
 
 def test_fewer_messages_than_metadata_promises_are_said(folder):
     path = folder / "metadata.yaml"
     text = path.read_text().replace("message_count: 50", "message_count: 51")
     path.write_text(text)
-    assert any(
-        "/joint_states has 51 messages, but 50 could be read" in warning
-        for warning in _read(folder).warnings
+    assert has_warning(
+        read_small_log(folder),
+        "/joint_states has 51 messages, but 50 could be read",
     )
 
 
@@ -75,7 +68,7 @@ def test_a_folder_whose_files_are_all_unreadable_is_refused(folder):
         if file.suffix != ".yaml":
             file.write_bytes(b"nothing")
     with pytest.raises(LogError, match="expected an MCAP file.*b'nothing'"):
-        _read(folder)
+        read_small_log(folder)
     shutil.rmtree(folder)
     with pytest.raises(LogError, match="can't be opened"):
-        _read(folder)
+        read_small_log(folder)

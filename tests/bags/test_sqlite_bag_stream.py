@@ -4,11 +4,10 @@ import sqlite3
 
 from bag_fixtures import our_entries, write_ros2
 from damage_fixtures import count_wrong, expected_log
-from log_fixtures import JOINT_NAMES, make_small_scene
+from log_fixtures import has_warning, read_small_log
 import pytest
 
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.log.log_reader import ReadLog
 
 PAGE = 4096
 
@@ -18,12 +17,6 @@ def whole(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bag") / "log"
     write_ros2(folder, our_entries(expected_log()))
     return (folder / "log.db3").read_bytes()
-
-
-def _read(path):
-    return ReadLog(
-        filename=path, scene=make_small_scene(), joint_names=JOINT_NAMES
-    )
 
 
 @pytest.fixture
@@ -47,7 +40,7 @@ def test_a_bag_of_humble_or_older_has_no_definitions(file):
         "DROP TABLE schema",
         "DROP TABLE metadata",
     )
-    log = _read(file)
+    log = read_small_log(file)
     assert log.warnings == ()
     assert count_wrong(log, expected_log()) == 0
     assert len(log.detections) == len(expected_log().detections)
@@ -63,9 +56,9 @@ def test_a_damaged_page_costs_the_messages_on_it(file, whole):
     content = bytearray(whole)
     content[leaves[3]] = 77
     file.write_bytes(content)
-    log = _read(file)
+    log = read_small_log(file)
     assert 120 < len(log.joints.times) < 150
-    assert any("left out the messages" in w for w in log.warnings)
+    assert has_warning(log, "left out the messages")
     assert count_wrong(log, expected_log()) == 0
 
 
@@ -73,11 +66,11 @@ def test_a_damaged_page_costs_the_messages_on_it(file, whole):
 def test_a_file_that_is_cut_off_is_used_up_to_there(file, whole, share):
     length = int(share * len(whole))
     file.write_bytes(whole[:length])
-    log = _read(file)
+    log = read_small_log(file)
     assert 20 < len(log.joints.times) < 150
     expected = f"cut off: it has {length} of {len(whole)} bytes"
-    assert any(expected in w for w in log.warnings)
-    assert any("no checksums" in w for w in log.warnings)
+    assert has_warning(log, expected)
+    assert has_warning(log, "no checksums")
     assert count_wrong(log, expected_log()) == 0
 
 
@@ -85,7 +78,7 @@ def test_another_database_is_refused(tmp_path):
     path = tmp_path / "cookies.sqlite"
     _change(path, "CREATE TABLE cookies (id INTEGER)")
     with pytest.raises(LogError, match="without the topics of a ROS 2 bag"):
-        _read(path)
+        read_small_log(path)
 
 
 def test_what_is_no_row_of_a_bag_is_left_out(file):
@@ -95,21 +88,21 @@ def test_what_is_no_row_of_a_bag_is_left_out(file):
         "UPDATE messages SET timestamp = 'soon' WHERE id = 7",
         "UPDATE messages SET topic_id = 99 WHERE id = 9",
     )
-    log = _read(file)
-    assert any("left out 2 messages: damaged" in w for w in log.warnings)
-    assert any("1 message of an unknown topic" in w for w in log.warnings)
+    log = read_small_log(file)
+    assert has_warning(log, "left out 2 messages: damaged")
+    assert has_warning(log, "1 message of an unknown topic")
     assert count_wrong(log, expected_log()) == 0
 
 
 def test_a_topic_with_a_name_that_can_not_be_is_said(file, whole):
     at = whole.index(b"/ground_truth/boxgeometry_msgs")
     file.write_bytes(whole[:at] + b"\xd8" + whole[at + 1 :])
-    log = _read(file)
+    log = read_small_log(file)
     assert log.ground_truth == {}
-    assert any("left out the topic" in w for w in log.warnings)
+    assert has_warning(log, "left out the topic")
 
 
-def test_what_a_recorder_left_in_its_journal_is_read(tmp_path, whole):
+def test_what_a_recorder_left_in_its_journal_isread_small_log(tmp_path, whole):
     path = tmp_path / "live" / "log.db3"
     path.parent.mkdir()
     path.write_bytes(whole)
@@ -118,7 +111,7 @@ def test_what_a_recorder_left_in_its_journal_is_read(tmp_path, whole):
     recorder.execute("DELETE FROM messages WHERE id > 200")
     recorder.commit()
     try:
-        count = len(_read(path).joints.times)
+        count = len(read_small_log(path).joints.times)
     finally:
         recorder.close()
     assert count < 150

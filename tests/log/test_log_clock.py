@@ -3,7 +3,8 @@
 import pytest
 
 from pbpf_drake.bags.log_notes import LogNotes
-from pbpf_drake.log.log_clock import RawStamped, stamp_messages
+from pbpf_drake.log.log_clock import find_clock
+from pbpf_drake.log.log_samples import RawStamped
 
 SECOND = 10**9
 # A time of a real clock (in nanoseconds).
@@ -17,9 +18,13 @@ def _stamp(joints, detections=()):
         topic: [RawStamped(log_time, stamp, None) for log_time, stamp in pairs]
         for topic, pairs in (("j", joints), ("d", detections))
     }
-    found = stamp_messages(raw, reference="j", notes=notes)
+    clock = find_clock(raw["j"], notes)
     return [
-        [(m.time, m.received) for m in found[topic]] for topic in ("j", "d")
+        [
+            (m.time, m.received)
+            for m in clock.Place(messages, notes.On(topic, "message"))
+        ]
+        for topic, messages in raw.items()
     ] + [notes.Sentences()]
 
 

@@ -1,94 +1,24 @@
 """Poses in the log's frames become poses in the scene's."""
 
-from authors_fixtures import transform
 from bag_fixtures import write_mcap, write_ros1
+from framed_log_fixtures import X_SCENE_CAMERA, X_WR
 import numpy as np
-from pydrake.common.schema import Transform
 from pydrake.math import RigidTransform, RollPitchYaw
 import pytest
 
-from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.ros2_messages import (
     DETECTION_ARRAY,
-    JOINT_STATE,
     POSE_STAMPED,
     POSE_WITH_COVARIANCE_STAMPED,
-    TF_MESSAGE,
     TRANSFORM_STAMPED,
-    header_message,
-    pose_message,
 )
 from pbpf_drake.config.log_topics import LogTopics
-from pbpf_drake.config.scene_config import CameraConfig, Scene, TrackedObject
+from pbpf_drake.config.scene_config import Scene, TrackedObject
 from pbpf_drake.log.log_reader import ReadLog
-from pbpf_drake.poses.pose_conversion import pose_array
 
-T0 = 1000 * 10**9
-X_WR = RigidTransform(RollPitchYaw(0, 0, 0.3), [0.1, 0.2, 0.3])
 X_RC = RigidTransform(RollPitchYaw(-2, 0.1, 1.5), [1.0, 0.1, 0.5])
-X_SCENE_CAMERA = RigidTransform(RollPitchYaw(-2, 0, 1.5), [1.1, 0.2, 0.9])
 X_CO = RigidTransform(RollPitchYaw(0.4, 0.5, 0.6), [0.05, -0.1, 0.9])
 X_RO = X_RC @ X_CO
-
-
-class Bag:
-    """Collects messages; times are seconds after T0."""
-
-    def __init__(self):
-        self.entries = []
-        for i in range(11):
-            self.add(
-                0.1 * i, "/joint_states", JOINT_STATE, name=["a"], position=[i]
-            )
-
-    def add(self, time, topic, kind, *, frame="", **message):
-        stamp = T0 + round(1e9 * time)
-        if kind != TF_MESSAGE:
-            header = header_message(stamp=stamp, frame_id=frame)
-            message = {"header": header, **message}
-        self.entries.append((stamp, topic, kind, message))
-
-    def tf(self, time, parent, child, X, topic="/tf"):
-        stamp = T0 + round(1e9 * time)
-        tf = transform(stamp, parent, child, X)
-        self.add(time, topic, TF_MESSAGE, transforms=[tf])
-
-    def pose(self, time, topic, kind, frame, X, name="box"):
-        q, p = pose_array(X)[:4], pose_array(X)[4:]
-        pose = pose_message(q=q, p=p)
-        if kind == TRANSFORM_STAMPED:
-            message = transform(0, frame, name, X)
-            del message["header"]
-        elif kind == DETECTION_ARRAY:
-            result = {
-                "hypothesis": {"class_id": name, "score": 1.0},
-                "pose": {"pose": pose},
-            }
-            message = {"detections": [{"results": [result]}]}
-        elif kind == POSE_WITH_COVARIANCE_STAMPED:
-            message = {"pose": {"pose": pose}}
-        else:
-            message = {"pose": pose}
-        self.add(time, topic, kind, frame=frame, **message)
-
-    def read(self, tmp_path, write=write_mcap, tracked=("box",), **topics):
-        path = write(tmp_path / "log", sorted(self.entries, key=lambda e: e[0]))
-        camera = CameraConfig(X_WC=Transform(X_SCENE_CAMERA))
-        scene = Scene(
-            robot="arm",
-            tracked={name: TrackedObject() for name in tracked},
-            camera=camera,
-            topics=LogTopics(
-                reference_frame="base", X_WR=Transform(X_WR), **topics
-            ),
-        )
-        scene.topics.ValidateOrThrow()
-        return ReadLog(filename=path, scene=scene, joint_names=["a"])
-
-
-@pytest.fixture
-def bag():
-    return Bag()
 
 
 def _world_pose(log, index=0):
@@ -224,44 +154,3 @@ def test_without_a_reference_frame_no_frame_is_looked_at(tmp_path, bag):
     log = ReadLog(filename=path, scene=scene, joint_names=["a"])
     assert log.detections[0].X_CO.IsNearlyEqualTo(X_CO, 1e-12)
     assert log.warnings == ()
-
-
-# -- Joints that are coordinates of frames.
-
-_TIP = {"tf_joints": {"a": "tip.y"}}
-
-
-def test_joints_are_coordinates_in_the_world(tmp_path, bag):
-    for i in range(5):
-        bag.tf(0.1 * i, "base", "arm", RigidTransform([0, 0, 0.1 * i]))
-        bag.tf(0.1 * i + 0.05, "arm", "tip", RigidTransform([0, 0.2 * i, 0]))
-    joints = bag.read(tmp_path, **_TIP).joints
-    # There is no sample before the tip's first one and after the arm's last.
-    np.testing.assert_allclose(joints.times, np.arange(10) * 0.05)
-    inside = slice(1, -1)
-    p_RT = np.column_stack(
-        [
-            np.zeros(10),
-            0.2 * (np.arange(10) - 1) / 2,
-            np.zeros(10),
-        ]
-    )[inside]
-    expected = [(X_WR @ p)[1] for p in p_RT]
-    np.testing.assert_allclose(joints.positions[inside, 0], expected, atol=1e-9)
-
-
-def test_a_frame_that_tf_lacks_is_named(tmp_path, bag):
-    bag.tf(0.1, "base", "arm", RigidTransform())
-    with pytest.raises(LogError, match="frame 'tip'.*frames are .'arm'"):
-        bag.read(tmp_path, **_TIP)
-
-
-def test_joints_that_the_robot_lacks_are_named(tmp_path, bag):
-    bag.tf(0.1, "base", "tip", RigidTransform())
-    with pytest.raises(LogError, match=r"names \['b'\]; expected .* \['a'\]"):
-        bag.read(tmp_path, tf_joints={"b": "tip.y"})
-
-
-def test_without_tf_the_topic_is_named(tmp_path, bag):
-    with pytest.raises(LogError, match="TFMessage .*on the topic /tf"):
-        bag.read(tmp_path, **_TIP)

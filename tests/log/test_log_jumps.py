@@ -1,7 +1,11 @@
+"""Samples that can only be damaged are found and left out."""
+
 import numpy as np
 import pytest
 
-from pbpf_drake.log.log_jumps import find_jumps
+from pbpf_drake.bags.log_notes import LogNotes
+from pbpf_drake.log.log_jumps import find_jumps, without_jumps
+from pbpf_drake.log.log_samples import Stamped
 
 TIMES = 0.01 * np.arange(10)
 
@@ -31,3 +35,15 @@ def test_a_motion_that_jumps_and_stays_is_left_alone():
 def test_of_few_samples_none_is_known_to_be_wrong(count):
     values = 100.0 * np.arange(count)[:, np.newaxis]
     assert not np.any(find_jumps(TIMES[:count], values))
+
+
+def test_messages_that_jump_are_left_out_and_counted():
+    values, notes = _walk(), LogNotes()
+    values[[2, 6]] += 7.0
+    messages = [Stamped(i * 10**7, 0, i) for i in range(10)]
+    kept = without_jumps(messages, values, notes.On("/a", "message"))
+    assert [m.value for m in kept] == [0, 1, 3, 4, 5, 7, 8, 9]
+    assert notes.Sentences() == (
+        "/a: left out 2 messages that is too far from those before and after "
+        "it",
+    )

@@ -4,9 +4,7 @@ import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
 
 from pbpf_drake.bags.log_notes import LogNotes
-from pbpf_drake.log.log_cleaning import PoseSample
-from pbpf_drake.log.log_clock import RawStamped, Stamped
-from pbpf_drake.log.log_samples import FramedPose
+from pbpf_drake.log.log_samples import PoseSample, Stamped
 from pbpf_drake.log.transform_tree import make_transform_tree
 from pbpf_drake.poses.pose_conversion import pose_array, rigid_transform
 
@@ -15,20 +13,20 @@ SECOND = 10**9
 T0 = 1_700_000_000 * SECOND
 
 
-def _framed(parent, child, X):
+def _sample(parent, child, X):
     pose = pose_array(X)
-    return FramedPose(parent, child, PoseSample(pose[:4], pose[4:]))
+    return PoseSample(parent, child, pose[:4], pose[4:])
 
 
 def _moving(parent, child, seconds, X):
     time = T0 + round(seconds * SECOND)
-    return Stamped(time, time, _framed(parent, child, X))
+    return Stamped(time, time, _sample(parent, child, X))
 
 
 def _tree(moving=(), static=(), notes=None):
     return make_transform_tree(
         moving,
-        [RawStamped(0, 0, _framed(*s)) for s in static],
+        [_sample(*s) for s in static],
         notes=notes or LogNotes(),
     )
 

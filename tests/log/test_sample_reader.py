@@ -1,0 +1,95 @@
+"""Samples are read from whatever is a log, and nothing else is."""
+
+from log_fixtures import has_warning, read_small_log
+from mcap.writer import Writer as McapWriter
+from mcap_fixtures import DETECTIONS, JOINT_STATES, SECOND, T0, TRUTH
+import pytest
+
+from pbpf_drake.bags.log_error import LogError
+from pbpf_drake.bags.log_notes import LogNotes
+from pbpf_drake.log.sample_extraction import DETECTION_TYPES, JOINT_TYPES
+from pbpf_drake.log.sample_reader import ReadSamples
+
+
+def test_a_missing_file_is_refused(path):
+    with pytest.raises(LogError, match=f"{path}: .*No such file"):
+        read_small_log(path)
+
+
+def test_a_folder_without_a_recording_is_refused(tmp_path):
+    with pytest.raises(LogError, match="folder without metadata.yaml"):
+        read_small_log(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "content, expected",
+    [
+        (b"", "it is empty"),
+        (b"hello", "b'hello'"),
+        (b"#ROSBAG V1.2\n....", "it is a bag of a version before 2.0"),
+        (b"\x89MCAP", "b'.x89MCAP'"),
+    ],
+)
+def test_a_file_of_another_format_is_refused(path, content, expected):
+    path.write_bytes(content)
+    with pytest.raises(LogError, match=f"expected an MCAP file.*{expected}"):
+        read_small_log(path)
+
+
+def test_a_topic_of_another_type_is_refused(faulty):
+    faulty.write(JOINT_STATES, "geometry_msgs/msg/PoseArray", {}, 0.0)
+    with pytest.raises(
+        LogError,
+        match="topic /joint_states has messages of type "
+        "'geometry_msgs/msg/PoseArray'; expected sensor_msgs/msg/JointState",
+    ):
+        faulty.read()
+
+
+def test_another_encoding_is_refused(path):
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start()
+        schema = writer.register_schema(
+            "sensor_msgs/JointState", "jsonschema", b""
+        )
+        channel = writer.register_channel(JOINT_STATES, "json", schema)
+        writer.add_message(channel, 5, b"1234", 5)
+        writer.finish()
+    with pytest.raises(LogError, match="encoded as 'json'; expected cdr"):
+        read_small_log(path)
+
+
+def test_a_message_that_can_not_be_decoded_is_left_out(faulty):
+    faulty.joints(0.0)
+    faulty.detection(0.0)
+    faulty.raw(JOINT_STATES, b"\0\1\0\0\1\2\3", 0.1)
+    faulty.raw(JOINT_STATES, b"", 0.2)
+    faulty.raw(DETECTIONS, b"\0\1\0\0" + b"\xff" * 40, 0.2)
+    faulty.joints(0.3)
+    log = faulty.read()
+    assert log.joints.times.tolist() == [0.0, 0.3]
+    assert has_warning(log, JOINT_STATES, "2 messages that can't be decoded")
+    assert has_warning(log, DETECTIONS, "1 message that can't be decoded")
+
+
+def test_samples_are_those_of_the_topics_that_are_asked_for(path, faulty):
+    for time in (0.2, 0.1):
+        faulty.joints(time)
+        faulty.detection(time)
+        faulty.truth(time)
+    faulty.__exit__()
+    types = {
+        JOINT_STATES: JOINT_TYPES,
+        "/other": (),
+        DETECTIONS: DETECTION_TYPES,
+    }
+    notes = LogNotes()
+    samples = ReadSamples(path, types, notes)
+    # As they are in the file.
+    stamps = [m.stamp - T0 for m in samples.joints]
+    assert stamps == [SECOND // 5, SECOND // 10]
+    assert [m.value.name for m in samples.poses[DETECTIONS]] == ["box", "box"]
+    assert samples.poses["/other"] == []
+    assert TRUTH not in samples.poses and TRUTH in samples.types
+    assert notes.Sentences() == ()
