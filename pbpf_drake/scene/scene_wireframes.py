@@ -7,7 +7,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.tree import BodyIndex
 
 from pbpf_drake.scene.prediction_model import PredictionModel
-from pbpf_drake.shapes.wireframes import shape_edges
+from pbpf_drake.shapes.wireframes import ShapeEdges
 
 
 class SceneWireframes:
@@ -53,7 +53,7 @@ class SceneWireframes:
         edges = [
             _transform(
                 inspector.GetPoseInFrame(geometry),
-                shape_edges(inspector.GetShape(geometry)),
+                ShapeEdges(inspector.GetShape(geometry)),
             )
             for geometry in self._model.geometries(body)
         ]

@@ -17,11 +17,13 @@ from pydrake.systems.framework import (
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.dope_measurement import DopeMeasurement
 from pbpf_drake.poses.pose_conversion import rigid_transform
+from pbpf_drake.views.palette import (
+    DETECTION_RGBA,
+    ESTIMATE_RGBA,
+    TRUTH_RGBA,
+)
 from pbpf_drake.views.scene_meshcat import SceneMeshcat
 from pbpf_drake.views.visual_geometry import (
-    DETECTION_COLOR,
-    ESTIMATE_COLOR,
-    TRUTH_COLOR,
     DrawGeometries,
     DrawOutline,
     MakeSilhouette,
@@ -127,15 +129,13 @@ class ParticleVisualizer(LeafSystem):
         """Sets the objects, all of them hidden until there is a pose."""
         meshcat = self._meshcat
         for name, own in self._scene.object_geometries.items():
-            DrawGeometries(
-                meshcat, f"estimate/{name}", own, tint=ESTIMATE_COLOR
-            )
-            ghost = MakeSilhouette(own, ESTIMATE_COLOR, _PARTICLE_OPACITY)
+            DrawGeometries(meshcat, f"estimate/{name}", own, tint=ESTIMATE_RGBA)
+            ghost = MakeSilhouette(own, ESTIMATE_RGBA, _PARTICLE_OPACITY)
             for m in range(len(self._drawn)):
                 DrawGeometries(meshcat, f"particles/{name}/{m}", ghost)
             for path, color in (
-                ("detection", DETECTION_COLOR),
-                ("truth", TRUTH_COLOR),
+                ("detection", DETECTION_RGBA),
+                ("truth", TRUTH_RGBA),
             ):
                 DrawOutline(meshcat, f"{path}/{name}/outline", own, color)
                 fill = MakeSilhouette(own, color, _FILL_OPACITY)

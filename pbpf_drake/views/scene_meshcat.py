@@ -13,10 +13,12 @@ from pydrake.planning import RobotDiagramBuilder
 
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.scene.scene_models import AddSceneModels
+from pbpf_drake.views.palette import (
+    DETECTION_RGBA,
+    ESTIMATE_RGBA,
+    TRUTH_RGBA,
+)
 from pbpf_drake.views.visual_geometry import (
-    DETECTION_COLOR,
-    ESTIMATE_COLOR,
-    TRUTH_COLOR,
     DrawGeometries,
     GetVisualGeometries,
     VisualGeometry,
@@ -27,9 +29,9 @@ _MESHCAT_CAMERA = "/Cameras/default/rotated/<object>"
 _MESHCAT_FIELD_OF_VIEW = np.deg2rad(75.0)
 
 _LEGEND = (
-    ("estimate, in a cloud of its particles", ESTIMATE_COLOR),
-    ("last detection, filled while it is new", DETECTION_COLOR),
-    ("ground truth, where it is known", TRUTH_COLOR),
+    ("estimate, in a cloud of its particles", ESTIMATE_RGBA),
+    ("last detection, filled while it is new", DETECTION_RGBA),
+    ("ground truth, where it is known", TRUTH_RGBA),
 )
 _LEGEND_STYLE = (
     "position:fixed; left:12px; bottom:12px; z-index:1; padding:6px 10px; "
