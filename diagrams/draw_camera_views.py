@@ -28,8 +28,9 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
+from pbpf_drake.config.camera_config import CameraConfig
 from pbpf_drake.config.particle_filter_config import METHODS
-from pbpf_drake.config.scene_config import CameraConfig, LoadScene, Scene
+from pbpf_drake.config.scene_config import LoadScene, Scene
 from pbpf_drake.diagrams.jobs.run_command import RunCommand
 from pbpf_drake.log.joint_log_source import interpolate_joints
 from pbpf_drake.log.log_reader import ReadLog

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pbpf_drake.config.particle_filter_config import PoseStddev
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.poses import quaternions
 
 # So many standard deviations off, an outlier is as likely as a detection.

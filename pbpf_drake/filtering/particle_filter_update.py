@@ -12,10 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from pbpf_drake.config.particle_filter_config import (
-    ParticleFilterConfig,
-    VisibilityConfig,
-)
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.config.visibility_config import VisibilityConfig
 from pbpf_drake.filtering.adaptive_count import bin_labels, needed_particles
 from pbpf_drake.filtering.filter_state import FilterState, StampedPose
 from pbpf_drake.filtering.observation_model import (

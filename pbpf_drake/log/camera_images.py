@@ -18,7 +18,7 @@ from pbpf_drake.bags.ros2_messages import (
     short_type_name,
     stamp_of,
 )
-from pbpf_drake.config.scene_config import CameraConfig
+from pbpf_drake.config.camera_config import CameraConfig
 from pbpf_drake.log.log_samples import is_one_of
 
 # An image that is older isn't what the camera sees now (in seconds).

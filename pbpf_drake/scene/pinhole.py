@@ -6,7 +6,7 @@ the image's first pixel is (0, 0).
 
 import numpy as np
 
-from pbpf_drake.config.scene_config import CameraConfig
+from pbpf_drake.config.camera_config import CameraConfig
 
 # What is nearer to the camera is not drawn (in meters).
 _NEAR = 0.01

@@ -1,9 +1,10 @@
 """Random points on the surface of Drake's shapes, uniform over its area.
 
-Visibility is measured at them (Section 4.3). Each point by itself is uniform over the area. The points of one draw aren't
-independent, however: they come from a lattice of evenly spaced points that is
-shifted at random. A mean over the surface has the same expectation as with
-independent points, and it scatters much less.
+Visibility is measured at them (Section 4.3). Each point by itself is uniform
+over the area. The points of one draw aren't independent, however: they come
+from a lattice of evenly spaced points that is shifted at random. A mean over
+the surface has the same expectation as with independent points, and it scatters
+much less.
 """
 
 from collections.abc import Sequence

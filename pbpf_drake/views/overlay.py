@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from pbpf_drake.config.scene_config import CameraConfig
+from pbpf_drake.config.camera_config import CameraConfig
 from pbpf_drake.scene.pinhole import project_segments
 from pbpf_drake.views.palette import BACKGROUND_BGR
 

@@ -13,8 +13,9 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 from pydrake.systems.framework import Context
 
-from pbpf_drake.config.particle_filter_config import VisibilityConfig
-from pbpf_drake.config.scene_config import CameraConfig, Scene
+from pbpf_drake.config.camera_config import CameraConfig
+from pbpf_drake.config.scene_config import Scene
+from pbpf_drake.config.visibility_config import VisibilityConfig
 from pbpf_drake.poses import quaternions
 from pbpf_drake.process_crew import Crew
 from pbpf_drake.scene.scene_models import AddSceneModels

@@ -9,7 +9,7 @@ from pydrake.multibody.plant import (
 from pydrake.multibody.tree import RigidBody
 import pytest
 
-from pbpf_drake.config.scene_config import CameraConfig
+from pbpf_drake.config.camera_config import CameraConfig
 
 SCENES = ["cheezit_1", "planar_push"]
 

@@ -14,7 +14,7 @@ import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 import pytest
 
-from pbpf_drake.config.particle_filter_config import PoseStddev
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.dope_measurement import Detection, DopeMeasurement
 
 MOTIONS = ("physics", "constant_velocity")

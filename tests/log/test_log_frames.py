@@ -18,8 +18,9 @@ from pbpf_drake.bags.ros2_messages import (
     header_message,
     pose_message,
 )
+from pbpf_drake.config.camera_config import CameraConfig
 from pbpf_drake.config.log_topics import LogTopics
-from pbpf_drake.config.scene_config import CameraConfig, Scene, TrackedObject
+from pbpf_drake.config.scene_config import Scene, TrackedObject
 from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.poses.pose_conversion import pose_array
 

@@ -3,7 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pbpf_drake.config.recording_config import DetectorConfig, Range
+from pbpf_drake.config.detector_config import DetectorConfig
+from pbpf_drake.config.distributions import Range
 from pbpf_drake.truth.detection_outliers import draw_outlier_error
 
 N = 20_000

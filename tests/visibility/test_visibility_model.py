@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from pbpf_drake.config.particle_filter_config import VisibilityConfig
-from pbpf_drake.config.scene_config import CameraConfig, LoadScene
+from pbpf_drake.config.camera_config import CameraConfig
+from pbpf_drake.config.scene_config import LoadScene
+from pbpf_drake.config.visibility_config import VisibilityConfig
 from pbpf_drake.visibility.visibility_model import (
     VisibilityModel,
     in_image,
