@@ -28,7 +28,7 @@ class SceneModels:
     Attributes:
         robot: the robot's model instance.
         objects: the body of each tracked object, in the scene's order.
-        fixed: bodies of all other models, and the world's.
+        fixed: the bodies of all other models, and the world body.
     """
 
     robot: ModelInstanceIndex
@@ -47,8 +47,8 @@ def data_folder(name: str) -> Path:
 def MakePackageMap(scene: Scene) -> PackageMap:
     """Returns where the scene's directives find packages.
 
-    package://pbpf_drake is this project's models, package://scene is the
-    folder of the scene file; ROS_PACKAGE_PATH adds a user's own.
+    package://pbpf_drake leads to this project's models, package://scene to the
+    folder of the scene file; ROS_PACKAGE_PATH adds a user's own packages.
     """
     packages = PackageMap()
     packages.Add("pbpf_drake", str(data_folder("models")))

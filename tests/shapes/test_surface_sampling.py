@@ -1,3 +1,4 @@
+from hull_fixtures import write_hull
 import numpy as np
 from pydrake.geometry import (
     Box,
@@ -201,11 +202,7 @@ def test_points_are_a_function_of_the_generators_state(name):
 
 def test_a_mesh_is_sampled_on_its_scaled_convex_hull(tmp_path):
     path = tmp_path / "hull.obj"
-    vertices = "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS.tolist())
-    faces = "".join(
-        "f {} {} {}\n".format(*(f + 1)) for f in ConvexHull(CORNERS).simplices
-    )
-    path.write_text(vertices + faces)
+    write_hull(path, CORNERS)
     mesh = MakeSurface(Mesh(str(path), 2.0))
     np.testing.assert_allclose(mesh.area, 4 * AREAS["convex"])
 

@@ -8,6 +8,7 @@ from recording_fixtures import SCENES
 
 from pbpf_drake.config.scene_config import LoadScene
 from pbpf_drake.diagrams.paper.paper_values import SCENES as NAMES
+from pbpf_drake.shapes.box_corners import box_corners
 
 
 def _corners(world: World, name: str) -> np.ndarray:
@@ -21,11 +22,10 @@ def _corners(world: World, name: str) -> np.ndarray:
     else:
         assert isinstance(shape, Box)
         half = shape.size() / 2
-    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T
     X_WG = body.EvalPoseInWorld(world.context) @ inspector.GetPoseInFrame(
         geometry
     )
-    return (X_WG @ (signs * half).T).T
+    return (X_WG @ box_corners(half).T).T
 
 
 @pytest.mark.parametrize("name", NAMES)
