@@ -37,7 +37,14 @@ class SceneModels:
 
 
 def data_folder(name: str) -> Path:
-    """Returns the folder "models" or "diagrams", installed or in a clone."""
+    """Returns a folder of data that comes with the package.
+
+    Args:
+        name: "models" or "diagrams", be it installed or in a clone.
+
+    Raises:
+        FileNotFoundError: there is no such folder.
+    """
     folder = (Path(__file__).parents[1] / name).resolve()
     if folder.is_dir():
         return folder

@@ -23,8 +23,8 @@ from pydrake.geometry import (
 from pbpf_drake.shapes.hull_planes import MakeHullPlanes
 
 # From points (..., 3) in the shape's frame (in meters) to their distances (...)
-# from the surface (in meters), negative inside, and to the unit vectors
-# (..., 3) in which the distances grow.
+# from the surface (in meters), negative inside, and to unit vectors (..., 3)
+# in the direction in which the distances grow most.
 SignedDistance = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 _TINY = 1e-300

@@ -93,9 +93,9 @@ class EllipsoidSurface:
 
     def sample(self, rng: np.random.Generator, n: int) -> np.ndarray:
         """See Surface."""
-        # Points of the unit ball are stretched to the ellipsoid. The more the
-        # surface around a point is stretched, the likelier the point is kept;
-        # the most it can be stretched by depends on the smallest radius.
+        # Points of the unit sphere are stretched onto the ellipsoid. The more
+        # the surface around a point is stretched, the likelier the point is
+        # kept: for sure where that is most, which is at the smallest radius.
         largest = 1 / np.min(self.radii)
         unit = np.empty((n, 3))
         missing = np.arange(n)

@@ -3,9 +3,11 @@ from physics_fixtures import (
     TOUCHING,
     blocks_in_the_way,
     link_motion,
+    make_model,
     still,
     straight_path,
 )
+import pytest
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.motion.fixed_contacts import FixedContacts
@@ -14,6 +16,11 @@ from pbpf_drake.motion.particle_physics import ParticlePhysics
 
 NUM = 8
 PROBE = (0,)
+
+
+@pytest.fixture(scope="module")
+def block():
+    return make_model("block")
 
 
 def _physics(model) -> ParticlePhysics:

@@ -141,7 +141,7 @@ MEANS = {
 def test_each_point_is_uniform_over_the_area(name):
     surface = MakeSurface(SHAPES[name])
     rng = np.random.default_rng(0)
-    # Only one point of each small draw, lest the lattice evens errors out.
+    # One point of each draw, as the lattice makes the errors of all cancel.
     points = np.stack([surface.sample(rng, 3)[2] for _ in range(5000)])
     for function, mean in MEANS[name]:
         values = function(points).astype(float)

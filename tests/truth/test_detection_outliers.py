@@ -31,7 +31,7 @@ def _sizes(errors: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def deep() -> np.ndarray:
-    """Outliers just before nothing is found any more: all are."""
+    """Errors where the object is hardly detected: all are outliers."""
     return _draw(1.0)
 
 
