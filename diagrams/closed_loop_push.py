@@ -50,9 +50,8 @@ from pbpf_drake.filtering.single_snapshot_estimator import (
 )
 from pbpf_drake.scene.prediction_model import MakePredictionModel
 from pbpf_drake.scene.scene_models import SceneModels, data_folder
-from pbpf_drake.truth.truth_model import (
-    AddTruthModels,
-    SetTrueObjects,
+from pbpf_drake.truth.truth_model import AddTruthModels, SetTrueObjects
+from pbpf_drake.truth.truth_parameters import (
     TruthParameters,
     draw_truth_parameters,
 )

@@ -23,7 +23,7 @@ import sys
 import numpy as np
 from tqdm import tqdm
 
-from pbpf_drake.config.recording_config import DetectorConfig
+from pbpf_drake.config.detector_config import DetectorConfig
 from pbpf_drake.config.scene_config import LoadScene, Scene
 from pbpf_drake.diagrams.jobs.executors import LocalExecutor
 from pbpf_drake.diagrams.jobs.run_command import RunCommand

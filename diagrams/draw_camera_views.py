@@ -28,8 +28,9 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
+from pbpf_drake.config.camera_config import CameraConfig
 from pbpf_drake.config.particle_filter_config import METHODS
-from pbpf_drake.config.scene_config import CameraConfig, LoadScene, Scene
+from pbpf_drake.config.scene_config import LoadScene, Scene
 from pbpf_drake.diagrams.jobs.run_command import RunCommand
 from pbpf_drake.log.joint_log_source import interpolate_joints
 from pbpf_drake.log.log_reader import ReadLog
@@ -40,9 +41,9 @@ from pbpf_drake.results.track_record import TrackRecord
 from pbpf_drake.scene.pinhole import in_camera, project_points
 from pbpf_drake.scene.prediction_model import MakePredictionModel
 from pbpf_drake.scene.scene_models import AddSceneModels, data_folder
-from pbpf_drake.shapes.wireframes import box_edges
+from pbpf_drake.shapes.box_corners import box_corners, box_edges
 from pbpf_drake.tracking.tracking_diagram import SceneOfLog, Track
-from pbpf_drake.views.overlay import DETECTION_COLOR, ESTIMATE_COLOR
+from pbpf_drake.views.palette import DETECTION_BGR, ESTIMATE_BGR
 
 _BACKGROUND = np.array([0.93, 0.94, 0.95])
 # From the camera, and from above.
@@ -142,12 +143,11 @@ def _make_camera(camera: CameraConfig) -> ColorRenderCamera:
 def _box_edges(diagram: RobotDiagram, index: BodyIndex) -> np.ndarray:
     plant = diagram.plant()
     inspector = diagram.scene_graph().model_inspector()
-    signs = (np.arange(8)[:, None] >> np.arange(3) & 1) * 2 - 1
     corners = []
     for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index)):
         box = CalcObb(inspector.GetShape(geometry))
         X_BA = inspector.GetPoseInFrame(geometry) @ box.pose()
-        corners.append((X_BA @ (signs * box.half_width()).T).T)
+        corners.append((X_BA @ box_corners(box.half_width()).T).T)
     low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
     return box_edges(0.5 * (high - low)) + 0.5 * (low + high)
 
@@ -192,7 +192,7 @@ def _draw_view(
     ax.imshow(view.Render(q, _true_poses(scene, log, time)))
     step = int(np.argmin(np.abs(records[0].times - time)))
     for record in records:
-        bgr = DETECTION_COLOR if record.method == "dope" else ESTIMATE_COLOR
+        bgr = DETECTION_BGR if record.method == "dope" else ESTIMATE_BGR
         color = np.flip(bgr) / 255
         _draw_boxes(ax, view, scene.camera, record.poses[step], color=color)
     detected = np.all(records[0].detected[step])

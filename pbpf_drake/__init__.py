@@ -29,23 +29,18 @@ import.
 """
 
 from pbpf_drake.bags.log_error import LogError
+from pbpf_drake.config.adaptive_count_config import AdaptiveCountConfig
+from pbpf_drake.config.camera_config import CameraConfig
+from pbpf_drake.config.distributions import PoseStddev, TruncatedGaussian
 from pbpf_drake.config.log_topics import LogTopics
-from pbpf_drake.config.particle_filter_config import (
-    AdaptiveCountConfig,
-    ParticleFilterConfig,
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.config.physical_parameters_config import (
     PhysicalParametersConfig,
-    PoseStddev,
-    TruncatedGaussian,
-    VisibilityConfig,
 )
 from pbpf_drake.config.recording_config import RecordingConfig
-from pbpf_drake.config.scene_config import (
-    CameraConfig,
-    LoadScene,
-    Scene,
-    TrackedObject,
-)
+from pbpf_drake.config.scene_config import LoadScene, Scene, TrackedObject
 from pbpf_drake.config.symmetry import SymmetryConfig
+from pbpf_drake.config.visibility_config import VisibilityConfig
 from pbpf_drake.dope_measurement import Detection, DopeMeasurement
 from pbpf_drake.filtering.add_particle_filter import (
     AddParticleFilter,

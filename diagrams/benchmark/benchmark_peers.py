@@ -11,7 +11,9 @@ from typing import Protocol
 
 import numpy as np
 
-from pbpf_drake.config.particle_filter_config import PhysicalParametersConfig
+from pbpf_drake.config.physical_parameters_config import (
+    PhysicalParametersConfig,
+)
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.diagrams.benchmark.benchmark_reference import Sample
 from pbpf_drake.diagrams.benchmark.mujoco_peer import MuJoCoPeer

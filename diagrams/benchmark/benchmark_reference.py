@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import norm
 
-from pbpf_drake.config.particle_filter_config import (
-    ParticleFilterConfig,
+from pbpf_drake.config.distributions import TruncatedGaussian
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.config.physical_parameters_config import (
     PhysicalParametersConfig,
-    TruncatedGaussian,
 )
 from pbpf_drake.motion.motion_model import MotionInput, MotionResult
 from pbpf_drake.motion.physical_parameters import PhysicalParameters

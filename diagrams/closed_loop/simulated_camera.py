@@ -12,9 +12,9 @@ from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.dope_measurement import Detection, DopeMeasurement
 from pbpf_drake.poses.pose_conversion import rigid_transform
 from pbpf_drake.scene.scene_models import AddSceneModels
-from pbpf_drake.truth.simulated_detector import (
+from pbpf_drake.truth.simulated_detector import SimulatedDetector
+from pbpf_drake.truth.visibility_camera import (
     AddLabelRenderer,
-    SimulatedDetector,
     VisibilityCamera,
 )
 

@@ -1,4 +1,4 @@
-"""Checks of configurations, whose errors name field, value and what fits."""
+"""Checks of configurations: errors name the field, its value and what fits."""
 
 import math
 from typing import Any
@@ -9,7 +9,7 @@ def require(condition: bool, name: str, value: Any, expected: str) -> None:
 
     Args:
         condition: whether the value can be used.
-        name: of the field, with those of what it is in: "physics.mass.min".
+        name: of the field, with the fields that it is in: "physics.mass.min".
         value: the field's.
         expected: what would have fit, as in "at least 0".
     """
@@ -27,9 +27,22 @@ def require_positive(config: Any, prefix: str, fields: tuple[str, ...]) -> None:
     """
     for field in fields:
         value = getattr(config, field)
-        require(
-            math.isfinite(value) and value > 0,
-            f"{prefix}{field}",
-            value,
-            "more than 0",
-        )
+        fits = math.isfinite(value) and value > 0
+        require(fits, f"{prefix}{field}", value, "more than 0")
+
+
+def require_at_least(
+    minimum: int, config: Any, prefix: str, fields: tuple[str, ...]
+) -> None:
+    """Raises a ValueError unless all fields are finite and at least a minimum.
+
+    Args:
+        minimum: the smallest value that fits.
+        config: what has the fields.
+        prefix: what an error has before the field's name: "detector.".
+        fields: their names.
+    """
+    for field in fields:
+        value = getattr(config, field)
+        fits = math.isfinite(value) and value >= minimum
+        require(fits, f"{prefix}{field}", value, f"at least {minimum}")

@@ -1,6 +1,6 @@
 """Where a log holds what the filter needs: topics, frames and presets.
 
-What type a topic's messages have is read from the log itself.
+The types of the messages are read from the log itself.
 """
 
 from collections.abc import Callable
@@ -10,7 +10,9 @@ import numpy as np
 from pydrake.common.schema import Transform
 from pydrake.math import RigidTransform
 
-# What a name of a tf frame starts with, where a topic could be as well.
+from pbpf_drake.config.config_checks import require
+
+# Where either a topic or a tf frame can be named, a frame's name starts so.
 TF_PREFIX = "tf:"
 _AXES = "xyz"
 
@@ -23,15 +25,16 @@ class LogTopics:
     ``TrackedObject`` for the names that are put there.
     """
 
-    # A key of PRESETS: what the fields are that are left out.
+    # A key of PRESETS, which has the values of fields that are left out.
     preset: str = "pbpf"
     # sensor_msgs/JointState.
     joint_states: str = "/joint_states"
     # Names of joints in the log, by names of joints in the robot's model,
     # where they differ.
     joint_names: dict[str, str] = field(default_factory=dict)
-    # For a robot whose joints are coordinates of a tf frame in the world, by
-    # names of joints in its model: "link_tip.x". Joint states aren't read then.
+    # For a robot whose joints are coordinates of tf frames in the world: frame
+    # and axis, as in "link_tip.x", by names of joints in the robot's model.
+    # Then joint states aren't read.
     tf_joints: dict[str, str] = field(default_factory=dict)
     # A topic of Detection3DArray, PoseStamped, PoseWithCovarianceStamped or
     # TransformStamped, or "tf:" and the name of a tf frame.
@@ -39,19 +42,20 @@ class LogTopics:
     # A topic of PoseStamped, PoseWithCovarianceStamped or TransformStamped, or
     # "tf:" and the name of a tf frame.
     ground_truth: str = "/ground_truth/{name}"
-    # A topic of the same types with the pose of the reference frame as the
-    # ground truth's own system sees it. Empty: tf connects the two.
+    # A topic of the same types with the pose of the reference frame, as the
+    # system sees it that the ground truth is from. Empty if tf connects the
+    # two.
     ground_truth_base: str = ""
-    # A topic of sensor_msgs/Image or CompressedImage. With "/compressed" behind
-    # it, it is looked for as well. Nothing but pictures needs it.
+    # A topic of sensor_msgs/Image or CompressedImage. The same name with
+    # "/compressed" behind it is looked for as well. Only pictures need it.
     images: str = "/camera/color/image_raw"
-    # The log's frame whose pose in the world is X_WR. Empty: no frames of the
-    # log are looked at. Then detections are in the scene's camera and ground
-    # truth is in the world.
+    # The frame of the log whose pose in the world is X_WR. Empty if no frames
+    # of the log are to be used: then detections are in the frame of the scene's
+    # camera, and ground truth is in the world.
     reference_frame: str = ""
     X_WR: Transform = field(default_factory=Transform)
-    # The optical frame of the camera in tf. Empty, or not in tf: the camera is
-    # where the scene says.
+    # The optical frame of the camera in tf. If it is empty or not in tf, the
+    # camera is where the scene says.
     camera_frame: str = ""
     # tf2_msgs/TFMessage.
     tf: str = "/tf"
@@ -62,39 +66,42 @@ class LogTopics:
         return self.X_WR.GetDeterministicValue()
 
     def ValidateOrThrow(self) -> None:
-        """Raises ValueError if a field can't be; the message says why."""
-        if self.preset not in PRESETS:
-            raise ValueError(
-                f"preset is {self.preset!r}; expected one of {list(PRESETS)}"
-            )
+        """Raises ValueError, naming the field, if a value can't be used."""
+        known = self.preset in PRESETS
+        require(known, "preset", self.preset, f"one of {list(PRESETS)}")
         for name in ("joint_states", "detections", "ground_truth", "images"):
             _check_source(name, getattr(self, name))
-        if is_frame(self.joint_states):
-            raise ValueError(
-                f"joint_states is {self.joint_states!r}; expected a topic;"
-                " joints that are in tf are named by tf_joints"
-            )
-        if is_frame(self.images):
-            raise ValueError(f"images is {self.images!r}; expected a topic")
+        require(
+            not is_frame(self.joint_states),
+            "joint_states",
+            self.joint_states,
+            "a topic; joints that are in tf are named by tf_joints",
+        )
+        require(not is_frame(self.images), "images", self.images, "a topic")
         if not self.reference_frame:
-            for name in ("detections", "ground_truth", "tf_joints"):
-                if is_frame(getattr(self, name)) or name == "tf_joints":
-                    self._CheckNeedsNoReference(name)
+            self._CheckNothingIsInTf()
         self._CheckReferencePose()
         for joint, coordinate in self.tf_joints.items():
             frame, _, axis = coordinate.rpartition(".")
-            if not frame or axis not in _AXES or len(axis) != 1:
-                raise ValueError(
-                    f"tf_joints.{joint} is {coordinate!r}; expected a frame "
-                    "and an axis, as in 'link_tip.x'"
-                )
-
-    def _CheckNeedsNoReference(self, name: str) -> None:
-        if getattr(self, name):
-            raise ValueError(
-                f"{name} is {getattr(self, name)!r} and reference_frame is "
-                "empty; expected the frame in which tf is to be resolved"
+            require(
+                bool(frame) and len(axis) == 1 and axis in _AXES,
+                f"tf_joints.{joint}",
+                coordinate,
+                "a frame and an axis, as in 'link_tip.x'",
             )
+
+    def _CheckNothingIsInTf(self) -> None:
+        in_tf = {
+            "detections": is_frame(self.detections),
+            "ground_truth": is_frame(self.ground_truth),
+            "tf_joints": bool(self.tf_joints),
+        }
+        for name, is_in_tf in in_tf.items():
+            if is_in_tf:
+                raise ValueError(
+                    f"{name} is {getattr(self, name)!r} and reference_frame is "
+                    "empty; expected the frame in which tf is to be resolved"
+                )
 
     def _CheckReferencePose(self) -> None:
         if self.X_WR.base_frame or not self.X_WR.IsDeterministic():
@@ -104,20 +111,21 @@ class LogTopics:
 
 
 def _check_source(field_name: str, value: str) -> None:
-    if not value or value == TF_PREFIX or value.endswith("/"):
-        raise ValueError(
-            f"{field_name} is {value!r}; expected a whole name, in which "
-            "{name} stands for the object's"
-        )
+    require(
+        bool(value) and value != TF_PREFIX and not value.endswith("/"),
+        field_name,
+        value,
+        "a whole name, in which {name} stands for the object's",
+    )
 
 
-def is_frame(source: str | dict) -> bool:
+def is_frame(source: str) -> bool:
     """Tells if a source is a tf frame and not a topic."""
-    return isinstance(source, str) and source.startswith(TF_PREFIX)
+    return source.startswith(TF_PREFIX)
 
 
 def frame_name(name: str) -> str:
-    """Returns the frame of a source, or a frame's name without ROS 1's /."""
+    """Returns a frame's name without "tf:" and without the / of ROS 1."""
     return name.removeprefix(TF_PREFIX).lstrip("/")
 
 
@@ -134,8 +142,8 @@ def _isaac_ros_dope() -> LogTopics:
 def _authors() -> LogTopics:
     """The recordings of the paper's authors.
 
-    DOPE and the camera are in tf; motion capture sees the robot's base as
-    well, which is 20 mm above the table's top.
+    Detections and the camera are in tf. Motion capture sees the objects and the
+    robot's base, which is 20 mm above the table's top.
     """
     return LogTopics(
         preset="authors",

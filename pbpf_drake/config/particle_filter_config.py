@@ -2,154 +2,24 @@
 
 Section numbers refer to "Physics-Based Object 6D-Pose Estimation during
 Non-Prehensile Manipulation" (Xu, Papallas, Dogar, ISER 2023). Where the paper
-is silent the comment says what was chosen. Values are checked when they are
+is silent, the comment says what was chosen. Values are checked when they are
 used, by ``ValidateOrThrow``.
 """
 
 from dataclasses import dataclass, field
-import math
 
-from pbpf_drake.config.config_checks import require, require_positive
+from pbpf_drake.config.adaptive_count_config import AdaptiveCountConfig
+from pbpf_drake.config.config_checks import (
+    require,
+    require_at_least,
+    require_positive,
+)
+from pbpf_drake.config.distributions import PoseStddev
+from pbpf_drake.config.physical_parameters_config import (
+    PhysicalParametersConfig,
+)
 
 METHODS = ("pbpf", "pbpf-v", "cvpf", "dope")
-
-
-@dataclass(kw_only=True)
-class PoseStddev:
-    """Standard deviations of a Gaussian error of a pose."""
-
-    # Of the distance from the true position (in meters).
-    position: float = 0.0
-    # Of the angle from the true rotation (in radians).
-    rotation: float = 0.0
-
-    def ValidateOrThrow(self, name: str, *, minimum: float = 0.0) -> None:
-        """Raises ValueError unless both are finite and above ``minimum``."""
-        for part in ("position", "rotation"):
-            value = getattr(self, part)
-            require(
-                math.isfinite(value) and value >= minimum,
-                f"{name}.{part}",
-                value,
-                f"a finite number of at least {minimum}",
-            )
-
-
-@dataclass(kw_only=True)
-class TruncatedGaussian:
-    """A Gaussian whose draws are raised to ``min`` where they fall below."""
-
-    mean: float = 0.0
-    stddev: float = 0.0
-    min: float = 0.0
-
-    def ValidateOrThrow(self, name: str) -> None:
-        """Raises ValueError for a value that no draw can be made from."""
-        for part in ("mean", "stddev", "min"):
-            value = getattr(self, part)
-            require(math.isfinite(value), f"{name}.{part}", value, "finite")
-        require(self.stddev >= 0, f"{name}.stddev", self.stddev, "at least 0")
-        require(self.min > 0, f"{name}.min", self.min, "more than 0")
-
-
-@dataclass(kw_only=True)
-class PhysicalParametersConfig:
-    """The distribution of θ, N(μ_θ, σ_θ²) of Section 4.1."""
-
-    # Coulomb friction coefficient of the object's contacts (Section 6).
-    friction: TruncatedGaussian = field(
-        default_factory=lambda: TruncatedGaussian(
-            mean=0.1, stddev=0.3, min=0.001
-        )
-    )
-    # Mass of the object (in kilograms; Section 6).
-    mass: TruncatedGaussian = field(
-        default_factory=lambda: TruncatedGaussian(
-            mean=0.38, stddev=0.5, min=0.05
-        )
-    )
-    # Hunt-Crossley dissipation (in s/m), the stand-in for the paper's
-    # restitution of 0.9 ± 0.2: Drake has none, and in the authors' simulator
-    # the table's restitution of 0 cancelled it. These values are dead blows.
-    dissipation: TruncatedGaussian = field(
-        default_factory=lambda: TruncatedGaussian(
-            mean=100.0, stddev=30.0, min=10.0
-        )
-    )
-
-    def ValidateOrThrow(self, name: str) -> None:
-        """Raises ValueError, naming the field, if a distribution is bad."""
-        for part in ("friction", "mass", "dissipation"):
-            getattr(self, part).ValidateOrThrow(f"{name}.{part}")
-
-
-@dataclass(kw_only=True)
-class VisibilityConfig:
-    """The threshold model of PBPF-V for one object (Sections 4.3 and 6).
-
-    The defaults are the paper's for Cheezit and Gelatin; its values for Soup
-    are 0.6, 0.45, 0.8, 0.9 and 0.33, in the order of the fields.
-    """
-
-    # W_H: importance of a hidden particle where nothing was detected.
-    high_weight: float = 0.75
-    # W_L: importance of a visible particle where nothing was detected.
-    low_weight: float = 0.25
-    # V_H: without a detection, a particle less visible than this is hidden.
-    high_visibility: float = 0.95
-    # V_L: with a detection, a particle less visible than this is penalised.
-    low_visibility: float = 0.5
-    # α_W: the penalty's factor.
-    penalty: float = 0.33
-
-    def ValidateOrThrow(self, name: str) -> None:
-        """Raises ValueError unless all are in [0, 1], weights above 0."""
-        for part in ("high_visibility", "low_visibility"):
-            value = getattr(self, part)
-            require(0 <= value <= 1, f"{name}.{part}", value, "in [0, 1]")
-        for part in ("high_weight", "low_weight", "penalty"):
-            value = getattr(self, part)
-            require(0 < value <= 1, f"{name}.{part}", value, "in (0, 1]")
-
-
-@dataclass(kw_only=True)
-class AdaptiveCountConfig:
-    """How many of the particles an update has, if not all. Not in the paper."""
-
-    # Whether it is as many as the belief needs; see adaptive_count.
-    to_belief: bool = False
-    # Whether it is at most as many as fit into the period, by how long the last
-    # updates took. Then results depend on the machine and on its load.
-    to_period: bool = False
-    # The fewest; more where weights are so uneven that these are worth less.
-    min_particles: int = 20
-    # ε: how far the particles may be from the belief (Kullback-Leibler
-    # divergence, in nats) ...
-    max_divergence: float = 0.2
-    # ... with this probability.
-    confidence: float = 0.99
-    # Edges of the bins (in meters and radians) over which that is meant: poses
-    # in one of them count as the same. A detection can hardly tell them apart.
-    bin_position: float = 0.02
-    bin_rotation: float = 0.1
-
-    def ValidateOrThrow(self, name: str) -> None:
-        """Raises ValueError, naming the field, if a value is out of range."""
-        require(
-            self.min_particles >= 1,
-            f"{name}.min_particles",
-            self.min_particles,
-            "at least 1",
-        )
-        require(
-            0 < self.confidence < 1,
-            f"{name}.confidence",
-            self.confidence,
-            "in (0, 1)",
-        )
-        require_positive(
-            self, f"{name}.", ("max_divergence", "bin_position", "bin_rotation")
-        )
 
 
 @dataclass(kw_only=True)
@@ -159,7 +29,7 @@ class ParticleFilterConfig:
     # M, the number of particles (Section 6; the paper uses 150 for CVPF and
     # for Scene 5).
     num_particles: int = 70
-    # Whether an update may have fewer of them.
+    # Whether an update may have fewer particles than that.
     adaptive_count: AdaptiveCountConfig = field(
         default_factory=AdaptiveCountConfig
     )
@@ -172,11 +42,12 @@ class ParticleFilterConfig:
     motion: str = "physics"
     # Whether visibility enters the importance factors (PBPF-V).
     use_visibility: bool = False
-    # R, the rays per object (Section 4.3; the number is not in the paper, the
-    # authors' code has 39 to 43). With 48 a score was off by up to 0.09.
+    # R, the number of rays per object (Section 4.3). The paper doesn't say it;
+    # the authors' code has 39 to 43. With 48, scores were off by up to 0.09.
     num_rays: int = 150
-    # ε ~ N(0, σ_f²), added after the prediction (Section 6): of the distance
-    # and of the angle in space; what a support prevents of it is left out.
+    # ε ~ N(0, σ_f²), added after the prediction (Section 6). The deviations are
+    # those of the distance and of the angle in space. What would lift or tilt
+    # an object that stands on something is left out.
     process_noise: PoseStddev = field(
         default_factory=lambda: PoseStddev(position=0.005, rotation=0.05)
     )
@@ -184,8 +55,8 @@ class ParticleFilterConfig:
     detection_noise: PoseStddev = field(
         default_factory=lambda: PoseStddev(position=0.02, rotation=0.09)
     )
-    # The spread of the first particles around the first detection (Section
-    # 6): of the distance in the horizontal plane, as in the authors' code.
+    # How the first particles scatter around the first detection (Section 6).
+    # The distance is horizontal, as in the authors' code.
     initial_noise: PoseStddev = field(
         default_factory=lambda: PoseStddev(position=0.16, rotation=0.43)
     )
@@ -194,31 +65,31 @@ class ParticleFilterConfig:
         default_factory=PhysicalParametersConfig
     )
     # Whether particles are drawn from the detections again where those show
-    # that a track is lost; see track_loss. Not in the paper, and only for
-    # detectors without a bias: one that is centimetres off all the time looks
-    # like a lost track.
+    # that the track is lost; see filtering.track_loss. Not in the paper, and
+    # only for detectors without a bias: if detections are centimetres off all
+    # the time, every track looks lost.
     recover_lost_tracks: bool = False
     # A detection older than this when it arrives is not used (in seconds).
     max_detection_age: float = 0.25
-    # A particle that is simulated to move faster than this is a failed one
-    # (in m/s): nothing that is pushed or tilted does.
+    # A particle whose simulation moves faster than this has failed (in m/s):
+    # nothing that is pushed or tips over moves so fast.
     max_speed: float = 2.0
-    # The longest step of the physics (in seconds) ...
+    # The longest step of the physics (in seconds). Steps are shorter ...
     time_step: float = 0.04
-    # ... and how far things may move or fall within one (in meters).
+    # ... where things would move or fall by more than this (in meters) in one.
     max_travel: float = 0.0015
-    # All randomness is a pure function of this and of the step.
+    # Together with the number of the update, this determines all randomness.
     seed: int = 0
-    # So many processes share the particles: the filter's own, and copies of
-    # it that are made at the first update (on Linux; elsewhere it has none).
+    # How many processes share the particles: the filter's own, and copies of it
+    # that are made at the first update (on Linux; elsewhere there are none).
     # Results do not depend on it.
     parallelism: int = 1
 
     def ValidateOrThrow(self) -> None:
         """Raises ValueError, naming field, value and what was expected."""
-        for part in ("num_particles", "control_samples", "num_rays"):
-            value = getattr(self, part)
-            require(value >= 1, part, value, "at least 1")
+        counts = ("num_particles", "control_samples", "num_rays", "parallelism")
+        require_at_least(1, self, "", counts)
+        require_at_least(0, self, "", ("seed",))
         require_positive(
             self,
             "",
@@ -235,10 +106,6 @@ class ParticleFilterConfig:
             "motion",
             self.motion,
             "'physics' or 'constant_velocity'",
-        )
-        require(self.seed >= 0, "seed", self.seed, "at least 0")
-        require(
-            self.parallelism >= 1, "parallelism", self.parallelism, "at least 1"
         )
         self.process_noise.ValidateOrThrow("process_noise")
         self.initial_noise.ValidateOrThrow("initial_noise")

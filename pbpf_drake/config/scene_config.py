@@ -1,48 +1,23 @@
 """A scene: models, camera, topics and filter configuration in one YAML file.
 
-The same file builds the prediction model, the ray-cast world, the truth
-simulation and the picture. No object, robot or number of a scene is known to
-the package.
+The filter's physics, its ray casting, the simulated truth and all pictures come
+from the same file. The package itself knows no object, robot or number of any
+scene.
 """
 
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from pydrake.common.schema import Transform
 from pydrake.common.yaml import yaml_dump, yaml_load, yaml_load_typed
-from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import ModelDirective
 
+from pbpf_drake.config.camera_config import CameraConfig
 from pbpf_drake.config.log_topics import PRESETS, LogTopics
-from pbpf_drake.config.particle_filter_config import (
-    ParticleFilterConfig,
-    VisibilityConfig,
-)
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.recording_config import RecordingConfig
 from pbpf_drake.config.symmetry import SymmetryConfig
-
-
-@dataclass(kw_only=True)
-class CameraConfig:
-    """A pinhole camera without distortion, fixed in the world."""
-
-    # The pose in the world of the optical frame C: z points forward, x to the
-    # right and y down in the image.
-    X_WC: Transform = field(default_factory=Transform)
-    # Size of the image (in pixels).
-    width: int = 640
-    height: int = 480
-    # Focal lengths and principal point (in pixels).
-    fx: float = 605.904
-    fy: float = 604.460
-    cx: float = 311.145
-    cy: float = 255.473
-
-    def pose(self) -> RigidTransform:
-        """Returns X_WC."""
-        return self.X_WC.GetDeterministicValue()
+from pbpf_drake.config.visibility_config import VisibilityConfig
 
 
 @dataclass(kw_only=True)
@@ -55,19 +30,20 @@ class TrackedObject:
     # The name under which the ground truth knows it; empty means the name of
     # the model.
     ground_truth_id: str = ""
-    # The visibility thresholds (Section 4.3).
+    # Thresholds and factors of visibility (Section 4.3).
     visibility: VisibilityConfig = field(default_factory=VisibilityConfig)
-    # Which turns of it look alike. The filter doesn't know; errors may.
+    # Which turns of it look alike. Some errors respect that; the filter doesn't
+    # know it.
     symmetry: SymmetryConfig = field(default_factory=SymmetryConfig)
 
 
 @dataclass(kw_only=True)
 class Scene:
-    """Everything that one YAML file says of a scene."""
+    """Everything that a YAML file says of a scene."""
 
-    # What there is: Drake's model directives. Files are found through
-    # package://pbpf_drake (this project's models), package://scene (the
-    # folder of the scene file), and the packages in ROS_PACKAGE_PATH.
+    # What there is, as Drake's model directives. Files are found through
+    # package://pbpf_drake (this project's models), package://scene (the folder
+    # of the scene file), and the packages in ROS_PACKAGE_PATH.
     directives: list[ModelDirective] = field(default_factory=list)
     # The model instance that is the robot.
     robot: str = ""
@@ -96,6 +72,41 @@ class Scene:
             name: o.ground_truth_id or name for name, o in self.tracked.items()
         }
 
+    def ValidateOrThrow(self) -> None:
+        """Raises ValueError, naming the field, if a value can't be used.
+
+        What needs the models, or only matters to a recording, is checked when
+        it is used.
+        """
+        self._CheckRoles()
+        self.camera.ValidateOrThrow("camera")
+        for name, tracked in self.tracked.items():
+            tracked.visibility.ValidateOrThrow(f"tracked.{name}.visibility")
+            tracked.symmetry.ValidateOrThrow(f"tracked.{name}.symmetry")
+        for part in ("topics", "filter"):
+            try:
+                getattr(self, part).ValidateOrThrow()
+            except ValueError as error:
+                raise ValueError(f"{part}.{error}") from error
+
+    def _CheckRoles(self) -> None:
+        if not self.directives:
+            raise ValueError("directives is empty; expected at least one model")
+        if not self.robot:
+            raise ValueError("robot is empty; expected the name of a model")
+        if not self.tracked:
+            raise ValueError("tracked is empty; expected at least one model")
+        if self.robot in self.tracked:
+            raise ValueError(
+                f"tracked contains {self.robot!r}, which is the robot; "
+                "expected models that the robot's model does not contain"
+            )
+        if len(self.object_by_class()) != len(self.tracked):
+            raise ValueError(
+                "tracked: two models have the same class_id; they are "
+                f"{[o.class_id or name for name, o in self.tracked.items()]}"
+            )
+
 
 def LoadScene(filename: str | Path) -> Scene:
     """Loads a scene file and checks what can be checked without its models.
@@ -119,27 +130,27 @@ def LoadScene(filename: str | Path) -> Scene:
         raise ValueError(f"Scene file {where}: {error}") from error
     scene.path = str(path)
     try:
-        _validate(scene)
+        scene.ValidateOrThrow()
     except ValueError as error:
         raise ValueError(f"Scene file {path}: {error}") from error
     return scene
 
 
 def _defaults(path: Path) -> Scene:
-    """Returns what fields are that the file leaves out."""
+    """Returns a scene with the values that fields have if left out."""
     data = yaml_load(filename=str(path))
     topics = data.get("topics") if isinstance(data, dict) else None
     preset = topics.get("preset") if isinstance(topics, dict) else None
-    # One that is unknown is refused when the scene is checked.
+    # An unknown preset is refused later, when the scene is checked.
     make = PRESETS.get(preset) if isinstance(preset, str) else None
     return Scene(topics=make()) if make else Scene()
 
 
 def _bad_field(path: Path) -> str:
-    """Returns what Drake's own messages lack: the field that is wrong."""
+    """Returns the name of the field that is wrong: Drake's messages lack it."""
     try:
         data = yaml_load(filename=str(path))
-    except Exception:  # It isn't YAML; the message says where.
+    except Exception:  # It isn't YAML at all; Drake's message says where.
         return ""
     names: list[str] = []
     while isinstance(data, dict) and "_tag" not in data:
@@ -160,46 +171,3 @@ def _fits(names: list[str], value: Any) -> bool:
     except Exception:
         return False
     return True
-
-
-def _validate(scene: Scene) -> None:
-    if not scene.directives:
-        raise ValueError("directives is empty; expected at least one model")
-    if not scene.robot:
-        raise ValueError("robot is empty; expected the name of a model")
-    if not scene.tracked:
-        raise ValueError("tracked is empty; expected at least one model")
-    if scene.robot in scene.tracked:
-        raise ValueError(
-            f"tracked contains {scene.robot!r}, which is the robot; expected "
-            "models that the robot's model does not contain"
-        )
-    if len(scene.object_by_class()) != len(scene.tracked):
-        raise ValueError(
-            "tracked: two models have the same class_id; they are "
-            f"{[o.class_id or name for name, o in scene.tracked.items()]}"
-        )
-    camera = scene.camera
-    for name in ("width", "height", "fx", "fy", "cx", "cy"):
-        value = getattr(camera, name)
-        if not np.isfinite(value):
-            raise ValueError(f"camera.{name} is {value}; expected a number")
-        if name not in ("cx", "cy") and value <= 0:
-            raise ValueError(f"camera.{name} is {value}; expected more than 0")
-    if camera.X_WC.base_frame:
-        raise ValueError(
-            f"camera.X_WC.base_frame is {camera.X_WC.base_frame!r}; expected "
-            "none: the pose is in the world"
-        )
-    if not camera.X_WC.IsDeterministic():
-        raise ValueError("camera.X_WC is random; expected one pose")
-    if not np.all(np.isfinite(camera.pose().GetAsMatrix4())):
-        raise ValueError("camera.X_WC is not finite")
-    for name, tracked in scene.tracked.items():
-        tracked.visibility.ValidateOrThrow(f"tracked.{name}.visibility")
-        tracked.symmetry.ValidateOrThrow(f"tracked.{name}.symmetry")
-    for part in ("topics", "filter"):
-        try:
-            getattr(scene, part).ValidateOrThrow()
-        except ValueError as error:
-            raise ValueError(f"{part}.{error}") from error

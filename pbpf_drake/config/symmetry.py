@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pbpf_drake.config.config_checks import require, require_at_least
 from pbpf_drake.poses.quaternions import from_rotation_vector
 
 
@@ -11,28 +12,26 @@ from pbpf_drake.poses.quaternions import from_rotation_vector
 class SymmetryConfig:
     """Turns about one axis of an object that leave it as it is.
 
-    Only errors that respect symmetry use it; the filter doesn't.
+    Errors that respect symmetry use it; the filter doesn't.
     """
 
-    # The axis, in the object's frame and of any length; empty: there is none.
+    # The axis, in the object's frame and of any length; empty if there is none.
     axis: list[float] = field(default_factory=list)
-    # How many turns about it there are: 2 for half turns, say. 0 is any turn,
-    # as of a can.
+    # How many turns about it there are, the full turn included: 2 for half
+    # turns. 0 stands for any turn, as of a can.
     order: int = 0
 
     def ValidateOrThrow(self, name: str) -> None:
         """Raises ValueError, naming the field, if a value can't be used."""
         axis = np.asarray(self.axis, dtype=float)
         is_axis = len(axis) == 3 and np.all(np.isfinite(axis)) and axis.any()
-        if axis.size and not is_axis:
-            raise ValueError(
-                f"{name}.axis is {self.axis!r}; expected three numbers that "
-                "are not all 0, or none"
-            )
-        if self.order < 0:
-            raise ValueError(
-                f"{name}.order is {self.order!r}; expected at least 0"
-            )
+        require(
+            bool(axis.size == 0 or is_axis),
+            f"{name}.axis",
+            self.axis,
+            "three numbers that are not all 0, or none",
+        )
+        require_at_least(0, self, f"{name}.", ("order",))
         if self.order and not self.axis:
             raise ValueError(
                 f"{name}.order is {self.order!r}, but there is no axis; "
@@ -40,7 +39,7 @@ class SymmetryConfig:
             )
 
     def is_continuous(self) -> bool:
-        """Returns whether any turn about the axis leaves the object alike."""
+        """Tells if any turn about the axis leaves the object as it is."""
         return bool(self.axis) and self.order == 0
 
     def unit_axis(self) -> np.ndarray:
@@ -49,11 +48,10 @@ class SymmetryConfig:
         return axis / max(float(np.linalg.norm(axis)), 1e-300)
 
     def turns(self, count: int) -> np.ndarray:
-        """Returns the symmetric turns as quaternions, (S, 4), w, x, y, z.
+        """Returns the turns as quaternions, (S, 4), w, x, y, z.
 
         Args:
-            count: S, how many evenly spaced ones stand for any turn; it is
-                not used where they can be counted.
+            count: S if any turn is one: as many, evenly spaced, stand for all.
         """
         number = count if self.is_continuous() else max(self.order, 1)
         if not self.axis:

@@ -16,7 +16,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from pbpf_drake.config.particle_filter_config import AdaptiveCountConfig
+from pbpf_drake.config.adaptive_count_config import AdaptiveCountConfig
 from pbpf_drake.filtering.filter_state import FilterState
 from pbpf_drake.filtering.resampling import (
     effective_sample_size,

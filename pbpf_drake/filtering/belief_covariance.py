@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pbpf_drake.config.particle_filter_config import PoseStddev
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.filtering.filter_state import FilterState
 from pbpf_drake.poses.pose_statistics import pose_covariance
 

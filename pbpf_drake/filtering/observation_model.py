@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pbpf_drake.config.particle_filter_config import PoseStddev
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.filtering.filter_state import StampedPose
 from pbpf_drake.filtering.particle_cloud import ParticleCloud
 from pbpf_drake.filtering.update_step import UpdateStep

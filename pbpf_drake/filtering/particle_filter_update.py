@@ -12,10 +12,8 @@ from typing import Generic
 
 import numpy as np
 
-from pbpf_drake.config.particle_filter_config import (
-    ParticleFilterConfig,
-    VisibilityConfig,
-)
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.config.visibility_config import VisibilityConfig
 from pbpf_drake.filtering.adaptive_count import count_particles
 from pbpf_drake.filtering.filter_state import FilterState, StampedPose
 from pbpf_drake.filtering.next_state import make_next_state

@@ -5,7 +5,7 @@ Poses are arrays (..., 7): qw qx qy qz (a unit quaternion), x y z (in meters).
 
 import numpy as np
 
-from pbpf_drake.config.particle_filter_config import PoseStddev
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.poses import quaternions
 
 

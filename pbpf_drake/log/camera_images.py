@@ -19,7 +19,7 @@ from pbpf_drake.bags.ros2_messages import (
     short_type_name,
     stamp_of,
 )
-from pbpf_drake.config.scene_config import CameraConfig
+from pbpf_drake.config.camera_config import CameraConfig
 
 # An image that is older isn't what the camera sees now (in seconds).
 _MAX_AGE = 1.0

@@ -11,9 +11,9 @@ from pydrake.geometry import (
 from pydrake.multibody.plant import CoulombFriction
 from pydrake.systems.framework import Context
 
-from pbpf_drake.config.particle_filter_config import (
+from pbpf_drake.config.distributions import TruncatedGaussian
+from pbpf_drake.config.physical_parameters_config import (
     PhysicalParametersConfig,
-    TruncatedGaussian,
 )
 from pbpf_drake.motion.particle_plant import ParticlePlant
 from pbpf_drake.shapes.contact_points import POINT_STIFFNESS, SHAPE_STIFFNESS

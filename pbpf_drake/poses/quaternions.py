@@ -1,7 +1,7 @@
 """Unit quaternions as arrays (..., 4) in the order w, x, y, z.
 
 All functions broadcast over the leading dimensions. q and -q are the same
-rotation; functions that return an angle respect that.
+rotation: functions that return an angle give the same for both.
 """
 
 import numpy as np
@@ -41,7 +41,7 @@ def from_rotation_vector(r: np.ndarray) -> np.ndarray:
 
 
 def to_rotation_vector(q: np.ndarray) -> np.ndarray:
-    """Returns log(q), (..., 3): of the two, the turn of at most pi."""
+    """Returns log(q), (..., 3): the rotation as a turn by at most pi."""
     q = np.asarray(q)
     q = np.where(q[..., :1] < 0, -q, q)
     length = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
@@ -93,7 +93,8 @@ def to_matrix(q: np.ndarray) -> np.ndarray:
 def from_matrix(R: np.ndarray) -> np.ndarray:
     """Returns the unit quaternions of rotation matrices (..., 3, 3), (..., 4).
 
-    Of the four columns of 4 q qᵀ, which is linear in R, the longest is taken.
+    The entries of 4 q qᵀ are sums of those of R. Each of its columns is a
+    multiple of q; the longest is taken.
     """
     R = np.asarray(R)
     xx, yy, zz = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
@@ -119,7 +120,8 @@ def from_matrix(R: np.ndarray) -> np.ndarray:
     return normalize(np.where(q[..., :1] < 0, -q, q))
 
 
-# np.moveaxis and np.stack take several times as long for a single quaternion.
+# These two are here because np.moveaxis and np.stack take several times as long
+# for a single quaternion.
 def _split(x: np.ndarray) -> tuple[np.ndarray, ...]:
     """Returns the components of x (..., n), n arrays (...)."""
     x = np.asarray(x)

@@ -1,8 +1,9 @@
-"""A model that is given as nothing but a mesh.
+"""Models that are nothing but a mesh file.
 
-Drake's own parser takes OBJ files only, and only closed ones, whose volume it
-can compute. Here the convex hull counts, as it does everywhere else: for the
-collision geometry, and for mass and inertia. So an open scan will do as well.
+Drake's own parser takes only OBJ files, and only closed meshes, as it computes
+their volume. Here the convex hull stands for the mesh where it collides, as
+everywhere in this package, and also where its mass and inertia are computed. So
+an open scan will do as well.
 """
 
 from pydrake.geometry import (
@@ -19,10 +20,10 @@ from pydrake.multibody.parsing import ModelDirective, PackageMap
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import CalcSpatialInertia, RigidBody
 
-# Files that are taken for models, by their endings.
+# How the names of mesh files end that can be models.
 MESH_ENDINGS = (".obj", ".gltf", ".glb")
-# Of the hull (in kg/m³), as of a carton with something in it. The filter draws
-# masses of its own.
+# The hull's density (in kg/m³): that of a carton with something in it. The
+# filter doesn't use it, as it draws masses of its own.
 _DENSITY = 500.0
 _GREY = Rgba(0.7, 0.7, 0.7)
 
@@ -36,16 +37,16 @@ def IsMeshModel(directive: ModelDirective) -> bool:
 def AddMeshModel(
     plant: MultibodyPlant, directive: ModelDirective, packages: PackageMap
 ) -> None:
-    """Adds a model of one body, called as the model is, that is a mesh.
+    """Adds a model that is a mesh: one body, which has the model's name.
 
     Args:
         plant: not finalized yet.
-        directive: adds a model, see IsMeshModel.
+        directive: adds a mesh model, see IsMeshModel.
         packages: where package:// leads to.
 
     Raises:
-        ValueError: the file has no hull, or what the directive says of poses
-            doesn't fit.
+        ValueError: the mesh has no convex hull, or the directive gives the pose
+            of another body, or in another frame than the world.
         RuntimeError: there is no such package, or no such file in it.
     """
     model = directive.add_model
@@ -74,8 +75,8 @@ def AddMeshModel(
 def _add_geometry(plant: MultibodyPlant, body: RigidBody, path: str) -> None:
     """Adds the mesh to look at, and its hull to collide with and to render.
 
-    Drake doesn't render an OBJ file that lacks normals. Of the hull it has
-    them.
+    An OBJ file may lack normals, and then Drake doesn't render it. The hull
+    always has them.
     """
     at = RigidTransform()
     plant.RegisterCollisionGeometry(

@@ -1,4 +1,4 @@
-"""Points on the surface of a tracked object, for errors that know its shape."""
+"""Points on a tracked object's surface, for errors that depend on its shape."""
 
 import numpy as np
 from pydrake.geometry import Capsule
@@ -16,14 +16,15 @@ def MakeObjectPoints(
 ) -> np.ndarray:
     """Returns points in the frame of an object, (P, 3) (in meters).
 
-    They are spread over the surface of its collision geometry, always the
-    same ones. Behind them come the corners of boxes and meshes and points on
-    the rims of cylinders: nothing of the object moves farther than those.
+    First come random points on the surface of its collision geometry, the same
+    ones at every call. Then come the corners of boxes and meshes, and points on
+    the rims of cylinders: no other point of the object moves farther than the
+    one of those that moves the farthest.
 
     Args:
-        model: of a scene.
+        model: of the scene.
         index: of the object, in the scene's order.
-        num_points: spread over the surface.
+        num_points: how many random points there are.
 
     Raises:
         ValueError: it has no surface of a finite area.
@@ -41,7 +42,7 @@ def MakeObjectPoints(
     surface = BodySurface(shapes=shapes, X_BG=poses)
     points = [surface.sample(np.random.default_rng(0), num_points)]
     for shape, X_BG in zip(shapes, poses, strict=True):
-        # A capsule's contact points are inside of it.
+        # A capsule's contact points are inside of it, not on its surface.
         if not isinstance(shape, Capsule):
             p_GS = MakeContactPoints(shape).p_GS
             points.append(p_GS @ X_BG.rotation().matrix().T)

@@ -1,4 +1,4 @@
-"""Whether tracked objects are given in meters."""
+"""Refuses tracked objects that can't be in meters, judging by their size."""
 
 from collections.abc import Sequence
 
@@ -7,8 +7,8 @@ from pydrake.geometry import GeometryId, SceneGraphInspector
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.shapes.bounding_boxes import MakeBoundingBoxes
 
-# How long an object can be (in meters): what is outside of this is in another
-# unit.
+# How long an object can be (in meters). If it is longer or shorter, its numbers
+# are probably in another unit.
 _SMALLEST = 2e-3
 _LARGEST = 2.0
 
@@ -19,15 +19,16 @@ def CheckObjectSizes(
     inspector: SceneGraphInspector,
     geometries: Sequence[Sequence[GeometryId]],
 ) -> None:
-    """Refuses objects whose numbers can't be meters.
+    """Checks that no tracked object is too long or too short for meters.
 
     Args:
-        scene: with K tracked models.
+        scene: has K tracked models.
         inspector: knows the geometries.
         geometries: the collision geometries of each of the K.
 
     Raises:
-        ValueError: a geometry is too long, or all of an object's are too short.
+        ValueError: an object has a geometry that is too long, or has none that
+            is long enough.
     """
     for name, own in zip(scene.tracked, geometries, strict=True):
         boxes = MakeBoundingBoxes(inspector, [own])

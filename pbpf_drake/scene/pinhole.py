@@ -6,9 +6,9 @@ the image's first pixel is (0, 0).
 
 import numpy as np
 
-from pbpf_drake.config.scene_config import CameraConfig
+from pbpf_drake.config.camera_config import CameraConfig
 
-# What is nearer to the camera is not drawn (in meters).
+# Whatever is nearer to the camera than this (in meters) is not drawn.
 _NEAR = 0.01
 
 
@@ -27,7 +27,7 @@ def project_points(p_C: np.ndarray, camera: CameraConfig) -> np.ndarray:
     """Returns where points are in the image (in pixels), (..., 2).
 
     Args:
-        p_C: points before the camera, in its frame (in meters), (..., 3).
+        p_C: points in front of the camera, in its frame (in meters), (..., 3).
         camera: its intrinsics.
     """
     focal, centre = [camera.fx, camera.fy], [camera.cx, camera.cy]
@@ -78,15 +78,18 @@ def clip_segments(
 ) -> np.ndarray:
     """Returns those parts of segments that are on one side of a plane.
 
+    Points p are kept where normal · p ≥ offset.
+
     Args:
         segments: (E, 2, 3).
-        normal: (3,); points p with normal · p ≥ offset are kept.
-        offset: see normal.
+        normal: (3,) of any length.
+        offset: see above.
     """
     heights = segments @ normal - offset
     kept = heights.max(axis=1, initial=-np.inf) >= 0
     segments, heights = segments[kept], heights[kept]
-    # One end may be on the wrong side, where 0 < share ≤ 1.
+    # Where one end is on the wrong side, it moves to the plane: by a share of
+    # the segment's length, 0 < share ≤ 1.
     wrong = heights < 0
     rows = np.flatnonzero(wrong.any(axis=1))
     ends = wrong[rows].argmax(axis=1)
@@ -100,7 +103,10 @@ def clip_segments(
 
 
 def _frustum(camera: CameraConfig) -> list[tuple[np.ndarray, float]]:
-    """Returns the planes around what the camera sees, for clip_segments."""
+    """Returns the planes that bound what the camera sees.
+
+    Each is a normal and an offset, as ``clip_segments`` takes them.
+    """
     left, right = camera.cx + 0.5, camera.width - 0.5 - camera.cx
     top, bottom = camera.cy + 0.5, camera.height - 0.5 - camera.cy
     return [

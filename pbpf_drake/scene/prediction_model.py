@@ -1,8 +1,8 @@
-"""What particles are predicted with, f_θ of Section 4.1, as the scene has it.
+"""A scene's models as they are written: what the prediction starts from.
 
-It holds the robot, the fixed models and the tracked objects of a scene, says
-how they are called and shaped, and how the robot's links move. The physics
-runs in contact models that are made of it.
+The prediction, f_θ of Section 4.1, isn't simulated in this plant: it only tells
+how the robot, the fixed models and the tracked objects are named and shaped,
+and how the robot's links move. The plants that are simulated are made from it.
 """
 
 from dataclasses import dataclass
@@ -24,12 +24,12 @@ class PredictionModel:
     """A scene's models, and where things are in them.
 
     Attributes:
-        diagram: the models as they are written, never simulated.
-        models: the roles of its bodies.
-        joint_names: n, the robot's joints in the order of robot_q.
-        robot_q: (n,) indices of the robot's joints into the plant's q.
-        links: L, the robot's bodies that can touch something.
-        nominal_poses: (K, 7) the scene's own poses of the objects.
+        diagram: the plant and its scene graph, which are never simulated.
+        models: the roles of the plant's bodies.
+        joint_names: names of the robot's n joints, in the order of robot_q.
+        robot_q: (n,) where the robot's joints are among the plant's positions.
+        links: the robot's L bodies that have collision geometry.
+        nominal_poses: (K, 7) the poses that the scene gives the objects.
     """
 
     diagram: RobotDiagram
@@ -96,7 +96,8 @@ def MakePredictionModel(scene: Scene) -> PredictionModel:
 
 
 def _geometries(diagram: RobotDiagram, body: BodyIndex) -> list[GeometryId]:
-    # Not the plant's own list: it moves when geometry is registered.
+    # Not from the plant: its list may move in memory when geometry is
+    # registered, and Python would go on reading at the old place.
     frame = diagram.plant().GetBodyFrameIdOrThrow(body)
     inspector = diagram.scene_graph().model_inspector()
     return inspector.GetGeometries(frame, Role.kProximity)

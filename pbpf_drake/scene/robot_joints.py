@@ -1,4 +1,4 @@
-"""The joints of a robot that move, in the order of its positions."""
+"""The joints of a robot that can move, in the order of its positions."""
 
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JointIndex, ModelInstanceIndex
@@ -7,9 +7,11 @@ from pydrake.multibody.tree import JointIndex, ModelInstanceIndex
 def RobotJointNames(
     plant: MultibodyPlant, robot: ModelInstanceIndex
 ) -> list[str]:
-    """Returns the names of the joints that move, in the order of q.
+    """Returns the names of the joints that can move, in the order of q.
 
-    The plant must be finalized.
+    Args:
+        plant: finalized.
+        robot: the robot's model instance.
 
     Raises:
         ValueError: a joint has more than one degree of freedom, or the

@@ -28,7 +28,7 @@ class SceneModels:
     Attributes:
         robot: the robot's model instance.
         objects: the body of each tracked object, in the scene's order.
-        fixed: bodies of all other models, and the world's.
+        fixed: the bodies of all other models, and the world body.
     """
 
     robot: ModelInstanceIndex
@@ -37,7 +37,14 @@ class SceneModels:
 
 
 def data_folder(name: str) -> Path:
-    """Returns the folder "models" or "diagrams", installed or in a clone."""
+    """Returns a folder of data that comes with the package.
+
+    Args:
+        name: "models" or "diagrams", be it installed or in a clone.
+
+    Raises:
+        FileNotFoundError: there is no such folder.
+    """
     folder = (Path(__file__).parents[1] / name).resolve()
     if folder.is_dir():
         return folder
@@ -47,8 +54,8 @@ def data_folder(name: str) -> Path:
 def MakePackageMap(scene: Scene) -> PackageMap:
     """Returns where the scene's directives find packages.
 
-    package://pbpf_drake is this project's models, package://scene is the
-    folder of the scene file; ROS_PACKAGE_PATH adds a user's own.
+    package://pbpf_drake leads to this project's models, package://scene to the
+    folder of the scene file; ROS_PACKAGE_PATH adds a user's own packages.
     """
     packages = PackageMap()
     packages.Add("pbpf_drake", str(data_folder("models")))

@@ -7,17 +7,17 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.tree import BodyIndex
 
 from pbpf_drake.scene.prediction_model import PredictionModel
-from pbpf_drake.shapes.wireframes import shape_edges
+from pbpf_drake.shapes.wireframes import ShapeEdges
 
 
 class SceneWireframes:
     """Edges of the objects, the robot and the fixed models of a scene."""
 
     def __init__(self, model: PredictionModel):
-        """Collects the edges.
+        """Makes the edges of all bodies.
 
         Args:
-            model: of the scene.
+            model: the scene's.
         """
         self._model = model
         self._plant = model.diagram.plant()
@@ -33,10 +33,10 @@ class SceneWireframes:
         return _transform(X_WO, self._objects[k])
 
     def SurroundingEdges(self, q: np.ndarray) -> np.ndarray:
-        """Returns the edges of robot and fixed models, in the world.
+        """Returns the edges of the robot and the fixed models, in the world.
 
         Args:
-            q: (n,) the robot's joints, in the order of its model.
+            q: (n,) the robot's joint positions, in the order of its model.
 
         Returns:
             (E, 2, 3), in meters.
@@ -53,7 +53,7 @@ class SceneWireframes:
         edges = [
             _transform(
                 inspector.GetPoseInFrame(geometry),
-                shape_edges(inspector.GetShape(geometry)),
+                ShapeEdges(inspector.GetShape(geometry)),
             )
             for geometry in self._model.geometries(body)
         ]

@@ -1,6 +1,7 @@
-"""Boxes around geometries, and how far apart they are at least.
+"""Boxes around geometries, and lower bounds of the distances between them.
 
-Only what may come near an object has to be part of its simulation.
+They tell what may come near an object: only that has to be part of its
+simulation.
 """
 
 from collections.abc import Sequence
@@ -10,8 +11,7 @@ import numpy as np
 from pydrake.geometry import GeometryId, SceneGraphInspector
 
 from pbpf_drake.poses import quaternions
-
-_CORNERS = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T
+from pbpf_drake.shapes.box_corners import box_corners
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class PlacedBoxes:
     """G boxes in the world.
 
     Attributes:
-        bodies: (G,) which body each is part of.
+        bodies: (G,) the index of the body that each is part of.
         centers: (..., G, 3) (in meters).
         axes: (..., G, 3, 3) rotation matrices: the columns are the box's axes.
         half_sizes: (G, 3) along them (in meters).
@@ -31,7 +31,11 @@ class PlacedBoxes:
     half_sizes: np.ndarray
 
     def subset(self, chosen: np.ndarray) -> "PlacedBoxes":
-        """Returns the boxes that are chosen, (G,) bool."""
+        """Returns some of the boxes.
+
+        Args:
+            chosen: (G,) bool, which ones.
+        """
         return PlacedBoxes(
             bodies=self.bodies[chosen],
             centers=self.centers[..., chosen, :],
@@ -40,10 +44,8 @@ class PlacedBoxes:
         )
 
     def corners(self) -> np.ndarray:
-        """Returns (..., G, 8, 3)."""
-        offsets = (self.half_sizes[:, None] * _CORNERS) @ np.swapaxes(
-            self.axes, -1, -2
-        )
+        """Returns the boxes' corners (in meters), (..., G, 8, 3)."""
+        offsets = box_corners(self.half_sizes) @ np.swapaxes(self.axes, -1, -2)
         return self.centers[..., None, :] + offsets
 
 
@@ -52,7 +54,7 @@ class BoundingBoxes:
     """Boxes around the G geometries of B bodies.
 
     Attributes:
-        bodies: (G,) which body each is part of.
+        bodies: (G,) the index of the body that each is part of.
         centers: (G, 3) in the frame of the body (in meters).
         axes: (G, 3, 3) rotation matrices: the columns are the box's axes.
         half_sizes: (G, 3) along them (in meters).
@@ -64,7 +66,11 @@ class BoundingBoxes:
     half_sizes: np.ndarray
 
     def at(self, X_WB: np.ndarray) -> PlacedBoxes:
-        """Returns them in the world, from the bodies' poses (..., B, 7)."""
+        """Returns the boxes in the world.
+
+        Args:
+            X_WB: (..., B, 7) the bodies' poses.
+        """
         X = X_WB[..., self.bodies, :]
         R = quaternions.to_matrix(X[..., :4])
         return PlacedBoxes(
@@ -75,7 +81,14 @@ class BoundingBoxes:
         )
 
     def radii(self, num_bodies: int) -> np.ndarray:
-        """Returns how far corners are from each body's origin, (B,)."""
+        """Returns how far each body reaches from its origin (in meters), (B,).
+
+        That is the distance of the farthest corner of its boxes, and 0 for a
+        body without any.
+
+        Args:
+            num_bodies: B.
+        """
         origin = np.tile([1.0, 0, 0, 0, 0, 0, 0], (num_bodies, 1))
         radii = np.zeros(num_bodies)
         corners = self.at(origin).corners()
@@ -91,7 +104,7 @@ def MakeBoundingBoxes(
 
     Args:
         inspector: knows the geometries.
-        geometries: of each body.
+        geometries: those of each body.
 
     Raises:
         ValueError: a geometry has no bounds.
@@ -117,10 +130,11 @@ def MakeBoundingBoxes(
 
 
 def least_distances(a: PlacedBoxes, b: PlacedBoxes) -> np.ndarray:
-    """Returns how far apart boxes are at least, (..., Ga, Gb).
+    """Returns lower bounds of the distances of boxes, (..., Ga, Gb).
 
-    It is the widest gap along an axis of one of the two: never more than the
-    distance, and less than 0 where they overlap.
+    A bound (in meters) is the widest gap between two boxes along any axis of
+    either. It is never more than their distance, and it is negative where they
+    overlap.
     """
     num_b = len(b.half_sizes)
     to_a = np.swapaxes(a.axes, -1, -2)

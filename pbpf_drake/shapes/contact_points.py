@@ -5,10 +5,10 @@ rocks and sinks, and a can sticks. Small spheres at the corners, or around
 both rims, give the contact the extent that it really has. They are made from
 the shape, so that a user's model gets them too.
 
-The spheres are soft, so that long steps of the physics do: if they were ten
-times as stiff, steps would have to be less than half as long. They stick out of
-the shape as far as they sink in: what stands on four of them stands where it
-should.
+The spheres are soft, so that the physics can take long steps: with ten times
+the stiffness, steps would have to be less than half as long. A sphere sticks
+out of the shape by as much as it sinks in, so that a thing on four of them is
+as high as it should be.
 """
 
 from dataclasses import dataclass
@@ -16,29 +16,31 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.geometry import Box, Capsule, Convex, Cylinder, Mesh, Shape
 
-# Of a contact of the spheres, and of one of the shape itself, which the robot
-# touches (in N/m per kg of the object).
+from pbpf_drake.shapes.box_corners import box_corners
+
+# The stiffness of a contact (in N/m per kg of the object): of a sphere, and of
+# the shape itself, which is what the robot touches.
 POINT_STIFFNESS = 3e3
 SHAPE_STIFFNESS = 1e4
 # How deep a thing that stands on four points sinks in (in meters).
 REST_DEPTH = 9.81 / (4 * POINT_STIFFNESS)
 # Radius of the spheres (in meters).
 _RADIUS = REST_DEPTH
-# Points around each rim of a cylinder.
+# How many points there are around each rim of a cylinder.
 _RIM_POINTS = 8
-# Points that stand for the vertices of a convex hull.
+# How many vertices of a convex hull are points, at most.
 _HULL_POINTS = 16
-# How much smaller than the shape its core is, on every side (in meters).
+# By how much a core is smaller than its shape, on every side (in meters).
 INSET = 1e-3
 
 
 @dataclass(frozen=True)
 class ContactPoints:
-    """Spheres that touch for a shape.
+    """Small spheres that touch things in the place of a shape.
 
     Attributes:
-        p_GS: (n, 3) their centres in the shape's frame G (in meters).
-        radius: of all of them (in meters).
+        p_GS: (n, 3) the spheres' centres in the shape's frame G (in meters).
+        radius: of every sphere (in meters).
     """
 
     p_GS: np.ndarray
@@ -48,8 +50,7 @@ class ContactPoints:
 def MakeContactPoints(shape: Shape) -> ContactPoints:
     """Returns the spheres of a shape; none if it is round all over."""
     if isinstance(shape, Box):
-        signs = np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
-        return ContactPoints(signs * shape.size() / 2, _RADIUS)
+        return ContactPoints(box_corners(shape.size() / 2), _RADIUS)
     if isinstance(shape, Cylinder):
         return ContactPoints(_rims(shape), _RADIUS)
     if isinstance(shape, Capsule):
@@ -61,10 +62,11 @@ def MakeContactPoints(shape: Shape) -> ContactPoints:
 
 
 def MakeCore(shape: Shape) -> Shape | None:
-    """Returns the shape, a little smaller, for contacts between its points.
+    """Returns the shape made a little smaller, to touch between the spheres.
 
-    Where the spheres carry the shape, the core touches nothing. It stops
-    what comes between them: an edge over an edge, a can on its side.
+    Where the spheres carry the shape, its core touches nothing. The core stops
+    what gets in between the spheres: where an edge lies across another edge, or
+    a can lies on its side.
 
     Returns:
         The core; None for a shape that is its own core.
@@ -81,6 +83,7 @@ def MakeCore(shape: Shape) -> Shape | None:
 
 
 def _rims(cylinder: Cylinder) -> np.ndarray:
+    """Returns evenly spaced points on both rims, (2 * _RIM_POINTS, 3)."""
     angles = 2 * np.pi * np.arange(_RIM_POINTS) / _RIM_POINTS
     z = cylinder.length() / 2
     rim = cylinder.radius() * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -90,6 +93,11 @@ def _rims(cylinder: Cylinder) -> np.ndarray:
 
 
 def _hull_vertices(shape: Convex | Mesh) -> np.ndarray:
+    """Returns some of the hull's vertices, far from each other, (n, 3).
+
+    The first is the one farthest from the middle; each of the others is the one
+    farthest from those chosen before it.
+    """
     hull = shape.GetConvexHull()
     vertices = np.array([hull.vertex(i) for i in range(hull.num_vertices())])
     centre = vertices.mean(axis=0)

@@ -1,7 +1,7 @@
 """How far points are from Drake's shapes, and in which direction.
 
-For contacts of small spheres, of all particles at once. A mesh counts as its
-convex hull, as in Drake's point contact.
+Contacts of small spheres are found with it, for all particles at once. A mesh
+counts as its convex hull, as in Drake's point contact.
 """
 
 from collections.abc import Callable
@@ -16,13 +16,15 @@ from pydrake.geometry import (
     Ellipsoid,
     HalfSpace,
     Mesh,
-    PolygonSurfaceMesh,
     Shape,
     Sphere,
 )
 
-# From points (..., 3) in the shape's frame (in meters) to their distances
-# (...) from its surface, negative inside, and the unit normals (..., 3) there.
+from pbpf_drake.shapes.hull_planes import MakeHullPlanes
+
+# From points (..., 3) in the shape's frame (in meters) to their distances (...)
+# from the surface (in meters), negative inside, and to unit vectors (..., 3)
+# in the direction in which the distances grow most.
 SignedDistance = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 _TINY = 1e-300
@@ -31,9 +33,9 @@ _TINY = 1e-300
 def MakeSignedDistance(shape: Shape) -> SignedDistance:
     """Returns the distance function of a shape.
 
-    It is exact, but for two kinds: of an ellipsoid it is to first order near
-    the surface, and of a hull it is too small where an edge or a corner is
-    nearest.
+    It is exact for all shapes but two. For an ellipsoid it holds to first order
+    near the surface. For a hull it is too small where the nearest point of the
+    hull is on an edge or at a corner.
 
     Raises:
         ValueError: the shape has no volume that Drake could collide with.
@@ -57,7 +59,7 @@ def MakeSignedDistance(shape: Shape) -> SignedDistance:
         case HalfSpace():
             return lambda p: _polytope(p, np.eye(3)[2:], np.zeros(1))
         case Convex() | Mesh():
-            normals, offsets = _faces(shape.GetConvexHull())
+            normals, offsets = MakeHullPlanes(shape.GetConvexHull())
             return lambda p: _polytope(p, normals, offsets)
     raise ValueError(
         f"nothing has a distance from {shape}; expected a Box, Sphere, "
@@ -98,7 +100,7 @@ def _ellipsoid(
 
 
 def _cylinder(p: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A box in the plane through the axis and the point."""
+    """Takes it for a box in the plane through its axis and the point."""
     radial = np.linalg.norm(p[..., :2], axis=-1)
     distance, normal = _box(np.stack([radial, p[..., 2]], axis=-1), size)
     outwards = p[..., :2] / np.maximum(radial, _TINY)[..., None]
@@ -121,11 +123,3 @@ def _polytope(
     beyond = p @ normals.T - offsets
     nearest = np.argmax(beyond, axis=-1)
     return np.max(beyond, axis=-1), normals[nearest]
-
-
-def _faces(hull: PolygonSurfaceMesh) -> tuple[np.ndarray, np.ndarray]:
-    """Returns unit normals (F, 3) and distances (F,) of the faces' planes."""
-    faces = range(hull.num_faces())
-    normals = np.array([hull.face_normal(f) for f in faces])
-    corners = np.array([hull.vertex(hull.element(f).vertex(0)) for f in faces])
-    return normals, np.einsum("fi,fi->f", normals, corners)

@@ -1,9 +1,10 @@
-"""Points spread uniformly over the surface of Drake's shapes (Section 4.3).
+"""Random points on the surface of Drake's shapes, uniform over its area.
 
-Each point by itself is distributed uniformly over the area. The points of one
-draw are not independent: they come from a lattice of evenly spaced points,
-shifted at random. A mean over the surface has the same expectation as with
-independent points and scatters much less.
+Visibility is measured at them (Section 4.3). Each point by itself is uniform
+over the area. The points of one draw aren't independent, however: they come
+from a lattice of evenly spaced points that is shifted at random. A mean over
+the surface has the same expectation as with independent points, and it scatters
+much less.
 """
 
 from collections.abc import Sequence
@@ -24,8 +25,8 @@ from pydrake.geometry import (
 )
 from pydrake.math import RigidTransform
 
-# The root of x^3 = x + 1. The points (i/n, i/_ROOT, i/_ROOT^2), modulo 1, are
-# spread evenly over the unit cube, however many there are.
+# The root of x^3 = x + 1. The n points (i/n, i/_ROOT, i/_ROOT^2), modulo 1,
+# fill the unit cube evenly, whatever n is.
 _ROOT = 1.324717957244746
 
 
@@ -58,7 +59,7 @@ class BoxSurface:
 
     def sample(self, rng: np.random.Generator, n: int) -> np.ndarray:
         """See Surface."""
-        u = _spread(rng, n)
+        u = _draw_lattice(rng, n)
         face = _choose(np.tile(self._face_areas(), 2), u[:, 0])
         across = face % 3
         rows = np.arange(n)
@@ -82,7 +83,8 @@ class EllipsoidSurface:
     @property
     def area(self) -> float:
         """See Surface."""
-        # Here, for it takes a third of the time to import this package.
+        # At the top of the file, this would take a third of the time that it
+        # takes to import the package.
         from scipy.special import elliprg
 
         return float(
@@ -91,12 +93,14 @@ class EllipsoidSurface:
 
     def sample(self, rng: np.random.Generator, n: int) -> np.ndarray:
         """See Surface."""
-        # The ball's surface is stretched the most at the smallest radius.
+        # Points of the unit sphere are stretched onto the ellipsoid. The more
+        # the surface around a point is stretched, the likelier the point is
+        # kept: for sure where that is most, which is at the smallest radius.
         largest = 1 / np.min(self.radii)
         unit = np.empty((n, 3))
         missing = np.arange(n)
         while missing.size:
-            u = _spread(rng, n)[missing]
+            u = _draw_lattice(rng, n)[missing]
             tried = _ball_points(u[:, 0], u[:, 1])
             stretch = np.linalg.norm(tried / self.radii, axis=-1)
             accepted = u[:, 2] * largest <= stretch
@@ -119,7 +123,7 @@ class CylinderSurface:
 
     def sample(self, rng: np.random.Generator, n: int) -> np.ndarray:
         """See Surface."""
-        u = _spread(rng, n)
+        u = _draw_lattice(rng, n)
         part = _choose(self._part_areas(), u[:, 0])
         height = np.stack([2 * u[:, 1] - 1, np.ones(n), -np.ones(n)])
         distance = np.where(part == 0, 1.0, np.sqrt(u[:, 1]))
@@ -153,9 +157,9 @@ class CapsuleSurface:
 
     def sample(self, rng: np.random.Generator, n: int) -> np.ndarray:
         """See Surface."""
-        u = _spread(rng, n)
-        # Along z, equal heights of a ball and of a cylinder of its radius
-        # have equal areas: slide the ball's halves apart.
+        u = _draw_lattice(rng, n)
+        # Slices of equal height have equal areas on a ball and on a cylinder
+        # of its radius. So z is uniform, over a ball whose halves are apart.
         z = (2 * u[:, 0] - 1) * (0.5 * self.length + self.radius)
         middle = np.clip(z, -0.5 * self.length, 0.5 * self.length)
         unit = _ball_points(0.5 + 0.5 * (z - middle) / self.radius, u[:, 1])
@@ -176,7 +180,7 @@ class TriangleSurface:
 
     def sample(self, rng: np.random.Generator, n: int) -> np.ndarray:
         """See Surface."""
-        u = _spread(rng, n)
+        u = _draw_lattice(rng, n)
         a, b, c = np.moveaxis(
             self.corners[_choose(self._areas(), u[:, 0])], 1, 0
         )
@@ -191,7 +195,7 @@ class TriangleSurface:
 class BodySurface:
     """The surfaces of all shapes of one body.
 
-    Where shapes overlap, the parts inside another shape are not removed.
+    Where shapes overlap, the parts inside of another shape count as well.
     """
 
     def __init__(
@@ -216,7 +220,7 @@ class BodySurface:
 
         Every shape gets its share of the points by area.
         """
-        chosen = _choose(self._areas, _spread(rng, n)[:, 0])
+        chosen = _choose(self._areas, _draw_lattice(rng, n)[:, 0])
         points = np.empty((n, 3))
         for i in np.unique(chosen):
             X, mine = self._X_BG[i], chosen == i
@@ -264,14 +268,14 @@ def _triangles(hull: PolygonSurfaceMesh) -> np.ndarray:
     return np.array(triangles)
 
 
-def _spread(rng: np.random.Generator, n: int) -> np.ndarray:
-    """Returns n evenly spread points of the unit cube, (n, 3)."""
+def _draw_lattice(rng: np.random.Generator, n: int) -> np.ndarray:
+    """Draws n evenly spaced points of the unit cube, (n, 3)."""
     step = np.array([1 / n, 1 / _ROOT, 1 / _ROOT**2])
     return (rng.random(3) + np.arange(n)[:, None] * step) % 1.0
 
 
 def _choose(areas: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Returns, for every u in [0, 1), an index drawn by area."""
+    """Returns an index for every u in [0, 1): larger areas come more often."""
     edges = np.cumsum(areas)
     return np.searchsorted(edges[:-1], u * edges[-1], side="right")
 

@@ -1,7 +1,7 @@
 """Edges of shapes, to draw them as wireframes.
 
-Edges are straight segments in the frame G of the shape, (E, 2, 3) in meters.
-Round shapes have the circles in their planes of symmetry.
+Edges are straight segments in the frame G of the shape, (E, 2, 3) in meters. A
+round shape has none: it gets the circles in its planes of symmetry.
 """
 
 import numpy as np
@@ -15,26 +15,29 @@ from pydrake.geometry import (
     Sphere,
 )
 
-# Segments of a full circle; a multiple of 4.
+from pbpf_drake.shapes.box_corners import box_edges
+
+# How many segments a full circle has; a multiple of 4.
 _NUM_SEGMENTS = 24
 
 
-def shape_edges(shape: Shape) -> np.ndarray:
+def ShapeEdges(shape: Shape) -> np.ndarray:
     """Returns the edges of a shape; a mesh has those of the box around it.
 
     Raises:
         ValueError: the shape has no size.
     """
-    if isinstance(shape, Cylinder):
-        return cylinder_edges(shape.radius(), shape.length())
-    if isinstance(shape, Capsule):
-        return capsule_edges(shape.radius(), shape.length())
-    if isinstance(shape, Sphere):
-        return ellipsoid_edges(np.full(3, shape.radius()))
-    if isinstance(shape, Ellipsoid):
-        return ellipsoid_edges(np.array([shape.a(), shape.b(), shape.c()]))
-    if isinstance(shape, Box):
-        return box_edges(0.5 * np.asarray(shape.size()))
+    match shape:
+        case Box():
+            return box_edges(0.5 * np.asarray(shape.size()))
+        case Sphere():
+            return ellipsoid_edges(np.full(3, shape.radius()))
+        case Ellipsoid():
+            return ellipsoid_edges(np.array([shape.a(), shape.b(), shape.c()]))
+        case Cylinder():
+            return cylinder_edges(shape.radius(), shape.length())
+        case Capsule():
+            return capsule_edges(shape.radius(), shape.length())
     box = CalcObb(shape)
     if box is None:
         raise ValueError(f"{shape} has no edges; expected a shape of some size")
@@ -42,24 +45,17 @@ def shape_edges(shape: Shape) -> np.ndarray:
     return box_edges(np.asarray(box.half_width())) @ R.T + p
 
 
-def box_edges(half_size: np.ndarray) -> np.ndarray:
-    """Returns the 12 edges of a box, whose half size is (3,)."""
-    corners = (np.arange(8)[:, None] >> np.arange(3) & 1) * 2 - 1
-    edges = [(i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit]
-    return (corners * half_size)[np.array(edges)]
-
-
 def cylinder_edges(radius: float, length: float) -> np.ndarray:
-    """Returns both circles and four sides of a cylinder along z."""
+    """Returns both ends of a cylinder along z, and four lines between."""
     circle = _arc(1.0) * radius
     up = np.array([0.0, 0.0, 0.5 * length])
     return np.concatenate([circle + up, circle - up, _sides(radius, length)])
 
 
 def capsule_edges(radius: float, length: float) -> np.ndarray:
-    """Returns a cylinder's edges, and two half circles over each end."""
+    """Returns a cylinder's edges and, over each end, two half circles."""
     up = np.array([0.0, 0.0, 0.5 * length])
-    # From x over z, and from y over z.
+    # One half circle goes from x over z, the other from y over z.
     half = _arc(0.5) * radius
     over = np.concatenate([half[..., [0, 2, 1]], half[..., [2, 0, 1]]])
     ends = [over + up, over * [1.0, 1.0, -1.0] - up]
@@ -74,7 +70,11 @@ def ellipsoid_edges(radii: np.ndarray) -> np.ndarray:
 
 
 def _arc(share: float) -> np.ndarray:
-    """Returns a share of the unit circle around z, from x towards y."""
+    """Returns a part of the unit circle around z, from x towards y.
+
+    Args:
+        share: how much of the circle, up to 1.
+    """
     count = round(share * _NUM_SEGMENTS)
     angles = 2 * np.pi * np.arange(count + 1) / _NUM_SEGMENTS
     points = np.stack(
@@ -84,6 +84,7 @@ def _arc(share: float) -> np.ndarray:
 
 
 def _sides(radius: float, length: float) -> np.ndarray:
+    """Returns four lines along the side of a cylinder."""
     around = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]]) * radius
     sides = np.empty((4, 2, 3))
     sides[..., :2] = around[:, None]

@@ -1,19 +1,20 @@
-"""Detections that are far off, as of an object that is partly hidden.
+"""Detections that are far off because the object is partly hidden.
 
-What the real traces of the authors' detector show, and what is drawn here:
+What is drawn here is what the recorded errors of the authors' detector show:
 
-- Good positions and outliers follow each other as independent draws do: they
-  change places 20 times at 47 steps, where 22 are expected.
-- Position and rotation are outliers independently of each other: 12 of 29 boxes
-  that were seen turned over were where the box was.
-- The nearer the box is to being lost, the more rotations are outliers and the
-  longer the distances are. (That there are more positions as well is simpler,
-  and not seen in all traces.)
+- Whether a position is an outlier doesn't depend on the one before. In 47 steps
+  from one detection to the next, outliers and good positions took turns 20
+  times, where 22 are expected of independent draws.
+- Position and rotation are outliers independently of each other: of 29 boxes
+  that were seen turned over, 12 were in the right place.
+- The nearer the box is to being lost, the more rotations are outliers, and the
+  farther off positions are. (Here, more positions are outliers as well. That is
+  simpler, but not all recordings show it.)
 """
 
 import numpy as np
 
-from pbpf_drake.config.recording_config import DetectorConfig
+from pbpf_drake.config.detector_config import DetectorConfig
 
 
 def draw_directions(rng: np.random.Generator) -> np.ndarray:
@@ -25,15 +26,15 @@ def draw_directions(rng: np.random.Generator) -> np.ndarray:
 def draw_outlier_error(
     occlusion: float, config: DetectorConfig, rng: np.random.Generator
 ) -> np.ndarray:
-    """Draws by how much an outlier is off, (6,), zeros where it isn't one.
+    """Draws how far off an outlier is, (6,): zeros where there is none.
 
-    The random numbers are the same whatever the occlusion: with more of it,
-    what was an outlier still is one, in the same direction.
+    The same random numbers are drawn whatever the occlusion is. So an outlier
+    would also be one, in the same direction, if more of the object were hidden.
 
     Args:
         occlusion: from 0 at the clear visibility to 1 at the hidden one.
         config: the chance of an outlier, and how far off it is.
-        rng: where the numbers are drawn from.
+        rng: where the random numbers come from.
 
     Returns:
         A rotation vector (in radians), then a translation (in meters).
@@ -42,7 +43,8 @@ def draw_outlier_error(
     u, w = rng.uniform(size=2)
     directions = draw_directions(rng)
     angle, distance = config.outlier_rotation, config.outlier_position
-    # The farther half of how far it gets with this occlusion.
+    # From half to all of how far it can get with this occlusion, on a
+    # logarithmic scale from the least distance (0) to the largest (1).
     way = np.sqrt(occlusion) * (1 + w) / 2
     sizes = np.array(
         [

@@ -11,7 +11,7 @@ from pydrake.trajectories import PiecewisePolynomial
 
 from pbpf_drake.scene.scene_models import SceneModels
 
-# Time between two postures that are checked (in seconds).
+# How far apart the postures are that are checked (in seconds).
 _PERIOD = 0.25
 
 
@@ -22,7 +22,7 @@ def CheckPath(
     joints: Sequence[JointIndex],
     trajectory: PiecewisePolynomial,
 ) -> None:
-    """Checks postures along the path, every quarter of a second.
+    """Checks the robot's postures along its path, four for every second.
 
     Args:
         diagram: the plant and its scene graph.

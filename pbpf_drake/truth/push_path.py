@@ -1,4 +1,4 @@
-"""From the path of an end effector in the world to one of the joints."""
+"""From the path of an end effector in the world to the joints' motion."""
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -9,14 +9,15 @@ from pydrake.solvers import Solve
 from pydrake.systems.framework import Context
 from pydrake.trajectories import PiecewisePolynomial
 
-from pbpf_drake.config.recording_config import PathConfig
+from pbpf_drake.config.path_config import PathConfig
 
-# How far an end effector may be from its path (in meters).
+# How far off its path an end effector may be, along each axis (in meters).
 _TOLERANCE = 2e-5
-# Time between two postures that are solved for (in seconds).
+# How far apart the postures are that are solved for (in seconds).
 _SAMPLE_PERIOD = 0.1
-# A posture further from the one before it than this is a jump to another
-# solution of the inverse kinematics, not a motion (in radians or meters).
+# If a joint moves by more than this from one posture to the next (in radians or
+# meters), that is no motion, but a jump to another solution of the inverse
+# kinematics.
 _MAX_STEP = 0.3
 
 
@@ -44,15 +45,15 @@ def ActuatedJoints(
 
 
 def draw_offsets(config: PathConfig, rng: np.random.Generator) -> np.ndarray:
-    """Draws how far a run's waypoints are from the configured ones.
+    """Draws how far a run's waypoints are off the configured ones.
 
     Args:
-        config: W waypoints.
-        rng: where W times two standard normal numbers are drawn from.
+        config: has W waypoints.
+        rng: where the random numbers come from, two for each waypoint.
 
     Returns:
-        (W, 3) in the axes of the world (in meters). The first row is 0, and a
-        waypoint that repeats the one before it is moved as that one is.
+        (W, 3) in the axes of the world (in meters). The first waypoint is never
+        off. One that repeats the waypoint before it is off by as much as that.
     """
     draws = rng.standard_normal((len(config.waypoints), 2)) * config.stddev
     offsets = np.zeros((len(config.waypoints), 3))
@@ -68,15 +69,15 @@ def draw_offsets(config: PathConfig, rng: np.random.Generator) -> np.ndarray:
 def MakeTranslation(
     config: PathConfig, offsets: np.ndarray
 ) -> PiecewisePolynomial:
-    """Returns the end effector's translation over time.
+    """Returns how far the end effector has moved from its start, over time.
 
     Args:
-        config: W waypoints.
-        offsets: (W, 3) is added to them (in meters).
+        config: has W waypoints.
+        offsets: (W, 3) what is added to them (in meters).
 
     Returns:
-        p(t), 3 x 1, in the axes of the world from the start (in meters): a
-        cubic that doesn't overshoot and rests at both ends.
+        p(t), 3 x 1, in the axes of the world (in meters): a piecewise cubic
+        that doesn't overshoot its waypoints and is at rest at both ends.
     """
     times = [w.time for w in config.waypoints]
     values = np.array([w.translation for w in config.waypoints]) + offsets
@@ -96,13 +97,14 @@ def MakeJointTrajectory(
     end_effector: str,
     translation: PiecewisePolynomial,
 ) -> PiecewisePolynomial:
-    """Solves the inverse kinematics along a path, orientation kept.
+    """Solves the inverse kinematics along a path with a fixed orientation.
 
     Args:
         plant: finalized; the robot starts at its default positions.
         robot: the robot's model instance.
         end_effector: the frame of the robot that follows the path.
-        translation: p(t) of ``end_effector`` from its start (in meters).
+        translation: p(t), how far ``end_effector`` has moved from its start (in
+            meters).
 
     Returns:
         q(t) of the robot's joints, in the order of its actuators (in radians
@@ -143,14 +145,18 @@ def _solve(
     X_WE: RigidTransform,
     time: float,
 ) -> np.ndarray:
-    """Returns the positions nearest to the context's, and sets them there."""
+    """Finds the posture nearest to the context's, and writes it there.
+
+    Returns:
+        All positions of the plant.
+    """
     start = plant.GetPositions(context)
     ik = InverseKinematics(plant, context)
     program, q = ik.prog(), ik.q()
     others = np.setdiff1d(np.arange(len(start)), rows)
     program.AddBoundingBoxConstraint(start[others], start[others], q[others])
-    # Points at the ends of the frame's axes hold its orientation. Bounds on
-    # points are better conditioned than a bound on an angle near zero.
+    # The frame's origin and a point on each of its axes keep its orientation:
+    # bounds on points are better conditioned than one on an angle of zero.
     for p_EQ in (*(0.1 * np.eye(3)), np.zeros(3)):
         p_WQ = X_WE @ p_EQ
         ik.AddPositionConstraint(

@@ -1,33 +1,17 @@
-"""A detector whose errors are its own and that true occlusion blinds.
+"""A simulated detector: what it gets wrong, and when it finds nothing.
 
-Under partial occlusion, good detections and outliers come mixed. What is
-visible comes from rendered label images, not from the ray caster of the
-filter's visibility model.
+How much of an object is visible decides whether it is detected. Where some of
+it is hidden, good detections and outliers come mixed.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
-from pydrake.geometry import (
-    ClippingRange,
-    ColorRenderCamera,
-    MakeRenderEngineVtk,
-    RenderCameraCore,
-    RenderEngineVtkParams,
-    Role,
-    SceneGraph,
-)
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BodyIndex
-from pydrake.planning import RobotDiagram
-from pydrake.systems.framework import Context
-from pydrake.systems.sensors import CameraInfo
 
-from pbpf_drake.config.particle_filter_config import PoseStddev
-from pbpf_drake.config.recording_config import DetectorConfig
-from pbpf_drake.config.scene_config import CameraConfig
+from pbpf_drake.config.detector_config import DetectorConfig
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.log.log_records import DetectionRecord
 from pbpf_drake.poses import quaternions
 from pbpf_drake.truth.detection_outliers import (
@@ -35,44 +19,36 @@ from pbpf_drake.truth.detection_outliers import (
     draw_outlier_error,
 )
 
-_RENDERER = "label"
-# A share of pixels needs no full resolution; the time goes with the pixels.
-_SHRINK = 2
-
-
-def visible_share(labels: np.ndarray, alone: np.ndarray, label: int) -> float:
-    """Returns how much of an object an image shows, in [0, 1].
-
-    Args:
-        labels: image of the label of what each pixel shows.
-        alone: the same without any other object.
-        label: the object's label.
-
-    Returns:
-        The object's pixels over those without other objects, or 0 where it
-        is outside the image.
-    """
-    total = np.count_nonzero(alone == label)
-    return np.count_nonzero(labels == label) / total if total else 0.0
-
 
 def clearness(visibility: float, config: DetectorConfig) -> float:
-    """Returns 0 where nothing is detected, 1 in a clear view."""
+    """Returns how clear the view is: from 0, where nothing is detected, to 1.
+
+    Args:
+        visibility: the visible share, in [0, 1].
+        config: its two thresholds.
+    """
     low, high = config.hidden_visibility, config.clear_visibility
     return float(np.clip((visibility - low) / (high - low), 0.0, 1.0))
 
 
 def detection_probability(visibility: float, config: DetectorConfig) -> float:
-    """Returns the chance of a detection, from 0 (hidden) to 1 (half-way)."""
+    """Returns the chance of a detection.
+
+    It grows from 0 at the hidden visibility to 1 half-way to the clear one.
+
+    Args:
+        visibility: the visible share, in [0, 1].
+        config: the two thresholds.
+    """
     return min(1.0, 2 * clearness(visibility, config))
 
 
 def draw_bias(config: DetectorConfig, rng: np.random.Generator) -> np.ndarray:
-    """Draws by how much a run's detections of an object are off, (6,).
+    """Draws how far off all detections of one object are in a run, (6,).
 
     Args:
-        config: how far.
-        rng: where the numbers are drawn from.
+        config: the ranges of distance and angle.
+        rng: where the random numbers come from.
 
     Returns:
         A rotation vector (in radians), then a translation (in meters).
@@ -86,8 +62,8 @@ def draw_pose_error(stddev: PoseStddev, rng: np.random.Generator) -> np.ndarray:
     """Draws an error of a pose, (6,).
 
     Args:
-        stddev: of each axis of the position, and of the rotation angle.
-        rng: where the numbers are drawn from.
+        stddev: of the position along each axis, and of the rotation's angle.
+        rng: where the random numbers come from.
 
     Returns:
         A rotation vector (in radians), then a translation (in meters).
@@ -111,110 +87,11 @@ def add_pose_error(X_CO: RigidTransform, error: np.ndarray) -> RigidTransform:
     return RigidTransform(R, X_CO.translation() + error[3:])
 
 
-class VisibilityCamera:
-    """Measures how much of each object the scene's camera sees.
-
-    It renders the scene as it is, and with each object alone.
-    """
-
-    def __init__(
-        self,
-        *,
-        diagram: RobotDiagram,
-        objects: Sequence[BodyIndex],
-        camera: CameraConfig,
-    ) -> None:
-        """Prepares the contexts to render from.
-
-        Args:
-            diagram: its scene graph went through ``AddLabelRenderer``.
-            objects: bodies of the K objects.
-            camera: the camera.
-        """
-        self._diagram = diagram
-        self._labels = [int(body) for body in objects]
-        self._camera = _make_camera(camera)
-        self._X_WC = camera.pose()
-        self._context = diagram.CreateDefaultContext()
-        self._alone = [self._make_alone(body) for body in objects]
-
-    def CalcVisibility(self, positions: np.ndarray) -> np.ndarray:
-        """Returns (K,) visible shares in [0, 1].
-
-        Args:
-            positions: all positions of the diagram's plant.
-        """
-        labels = self._render(self._context, positions)
-        return np.array(
-            [
-                visible_share(labels, self._render(alone, positions), label)
-                for alone, label in zip(self._alone, self._labels, strict=True)
-            ]
-        )
-
-    def _make_alone(self, body: BodyIndex) -> Context:
-        plant: MultibodyPlant = self._diagram.plant()
-        scene_graph: SceneGraph = self._diagram.scene_graph()
-        context = self._context.Clone()
-        scene_graph_context = self._diagram.mutable_scene_graph_context(context)
-        for i in range(plant.num_bodies()):
-            frame = plant.GetBodyFrameIdIfExists(BodyIndex(i))
-            if frame is not None and i != int(body):
-                scene_graph.RemoveRole(
-                    scene_graph_context,
-                    plant.get_source_id(),
-                    frame,
-                    Role.kPerception,
-                )
-        return context
-
-    def _render(self, context: Context, positions: np.ndarray) -> np.ndarray:
-        plant: MultibodyPlant = self._diagram.plant()
-        scene_graph: SceneGraph = self._diagram.scene_graph()
-        plant.SetPositions(
-            plant.GetMyMutableContextFromRoot(context), positions
-        )
-        query = scene_graph.get_query_output_port().Eval(
-            self._diagram.scene_graph_context(context)
-        )
-        image = query.RenderLabelImage(
-            camera=self._camera,
-            parent_frame=scene_graph.world_frame_id(),
-            X_PC=self._X_WC,
-        )
-        return image.data[:, :, 0].copy()
-
-
-def AddLabelRenderer(scene_graph: SceneGraph) -> None:
-    """Adds what ``VisibilityCamera`` renders with."""
-    scene_graph.AddRenderer(
-        _RENDERER, MakeRenderEngineVtk(RenderEngineVtkParams())
-    )
-
-
-def _make_camera(camera: CameraConfig) -> ColorRenderCamera:
-    width, height = camera.width // _SHRINK, camera.height // _SHRINK
-    sx, sy = width / camera.width, height / camera.height
-    # Pixel centres are at whole numbers, hence the halves.
-    info = CameraInfo(
-        width=width,
-        height=height,
-        focal_x=camera.fx * sx,
-        focal_y=camera.fy * sy,
-        center_x=(camera.cx + 0.5) * sx - 0.5,
-        center_y=(camera.cy + 0.5) * sy - 0.5,
-    )
-    core = RenderCameraCore(
-        _RENDERER, info, ClippingRange(0.01, 10.0), RigidTransform()
-    )
-    return ColorRenderCamera(core)
-
-
 class SimulatedDetector:
-    """Answers for each image with what a detector would have found.
+    """Says for each image what a detector would have found in it.
 
-    All draws are made for every image, detected or not, so that a change of
-    what is visible changes no other detection.
+    The same random numbers are drawn for every image, whatever is detected.
+    Hence a change of what is visible in one image changes no other detection.
     """
 
     def __init__(
@@ -228,10 +105,10 @@ class SimulatedDetector:
         """Draws this run's constant errors.
 
         Args:
-            config: the detector's errors.
+            config: how far off, how late and how often detections are.
             names: of the K objects.
             X_WC: pose of the camera's optical frame in the world.
-            rng: where all numbers are drawn from.
+            rng: where all random numbers come from.
         """
         self._config = config
         self._names = tuple(names)

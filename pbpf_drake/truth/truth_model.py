@@ -1,35 +1,21 @@
-"""The diagram of the truth; it is not the filter's prediction model.
+"""The diagram that simulates the truth; the filter's physics isn't in it.
 
-Hydroelastic contact, a fine fixed step, friction and masses of its own, and a
-robot that a joint controller moves and that contact can push back.
+Contact is hydroelastic, the time step is fine and fixed, friction and masses
+are the truth's own, and the robot is moved by a joint controller, so that
+contact can push it back.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.geometry import (
-    AddCompliantHydroelasticProperties,
-    AddContactMaterial,
-    AddRigidHydroelasticProperties,
-    Capsule,
-    Cylinder,
-    Ellipsoid,
-    ProximityProperties,
-    RoleAssign,
-    SceneGraph,
-    Shape,
-    Sphere,
-)
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import (
     ContactModel,
-    CoulombFriction,
     DiscreteContactApproximation,
     MultibodyPlant,
 )
 from pydrake.multibody.tree import (
-    BodyIndex,
     JointIndex,
     ModelInstanceIndex,
     PdControllerGains,
@@ -48,53 +34,15 @@ from pbpf_drake.truth.push_path import (
     ActuatedJoints,
     MakeJointTrajectory,
     MakeTranslation,
-    draw_offsets,
 )
-from pbpf_drake.truth.simulated_detector import AddLabelRenderer
-
-
-@dataclass(frozen=True)
-class TruthParameters:
-    """What is drawn once per run.
-
-    Attributes:
-        mass_scale: (K,) true masses of the objects over their models'.
-        friction: between objects and everything fixed.
-        robot_friction: of the robot's surface.
-        offsets: (W, 3) errors of the path's waypoints (in meters).
-        starts: (K, 3) by how much the objects start from elsewhere: x and y
-            (in meters), then the angle about the vertical (in radians).
-    """
-
-    mass_scale: np.ndarray
-    friction: float
-    robot_friction: float
-    offsets: np.ndarray
-    starts: np.ndarray
-
-
-def draw_truth_parameters(
-    config: RecordingConfig, num_objects: int, rng: np.random.Generator
-) -> TruthParameters:
-    """Draws the true parameters of a run."""
-    stddev = config.start_stddev
-    return TruthParameters(
-        mass_scale=rng.uniform(
-            config.mass_scale.min, config.mass_scale.max, num_objects
-        ),
-        friction=rng.uniform(config.friction.min, config.friction.max),
-        robot_friction=rng.uniform(
-            config.robot_friction.min, config.robot_friction.max
-        ),
-        offsets=draw_offsets(config.path, rng),
-        starts=rng.standard_normal((num_objects, 3))
-        * [stddev.position, stddev.position, stddev.rotation],
-    )
+from pbpf_drake.truth.truth_contact import SetTrueContact
+from pbpf_drake.truth.truth_parameters import TruthParameters
+from pbpf_drake.truth.visibility_camera import AddLabelRenderer
 
 
 @dataclass(frozen=True)
 class Truth:
-    """The diagram and who is who in it.
+    """The diagram of the truth, and who is who in it.
 
     Attributes:
         diagram: plant, scene graph, controller and path.
@@ -115,15 +63,15 @@ def AddTruthModels(
     scene: Scene,
     parameters: TruthParameters,
 ) -> SceneModels:
-    """Adds the scene's models to a plant, with contact as it truly is.
+    """Adds the scene's models to an empty plant, and finalizes it.
 
-    The plant is finalized. Its input for the robot's desired state, joints in
-    the order of the actuators, is left to connect.
+    Contact is that of the truth. What is left to connect is the plant's input
+    for the robot's desired state, joints in the order of the actuators.
 
     Args:
         builder: its plant is discrete, and empty.
-        scene: the scene; its ``recording`` says how contact and control are.
-        parameters: of this run.
+        scene: its ``recording`` describes contact and the joint controller.
+        parameters: those of this run.
 
     Raises:
         ValueError: the scene's ``recording`` doesn't fit its models.
@@ -142,7 +90,13 @@ def AddTruthModels(
             for b in models.objects
         ],
     )
-    _set_contact(plant, scene_graph, models, scene.recording, parameters)
+    SetTrueContact(
+        plant=plant,
+        scene_graph=scene_graph,
+        models=models,
+        config=scene.recording,
+        parameters=parameters,
+    )
     _set_controller(plant, models.robot, scene.recording)
     AddLabelRenderer(scene_graph)
     plant.Finalize()
@@ -156,7 +110,14 @@ def SetTrueObjects(
     models: SceneModels,
     parameters: TruthParameters,
 ) -> None:
-    """Writes the objects' true masses and starts into the plant's context."""
+    """Writes the objects' true masses and poses into the plant's context.
+
+    Args:
+        plant: finalized.
+        context: the plant's, with the scene's own poses.
+        models: who is who in the plant.
+        parameters: those of this run.
+    """
     for index, scale, start in zip(
         models.objects,
         parameters.mass_scale,
@@ -239,56 +200,11 @@ def move_start(X_WO: RigidTransform, start: np.ndarray) -> RigidTransform:
     )
 
 
-def _set_contact(
-    plant: MultibodyPlant,
-    scene_graph: SceneGraph,
-    models: SceneModels,
-    config: RecordingConfig,
-    parameters: TruthParameters,
-) -> None:
-    """Replaces what the models' files say of contact by the truth's own."""
-    inspector = scene_graph.model_inspector()
-    for i in range(plant.num_bodies()):
-        body = plant.get_body(BodyIndex(i))
-        is_robot = body.model_instance() == models.robot
-        mu = parameters.robot_friction if is_robot else parameters.friction
-        for geometry in plant.GetCollisionGeometriesForBody(body):
-            properties = ProximityProperties()
-            length = config.mesh_resolution * _radius(
-                inspector.GetShape(geometry)
-            )
-            if body.index() in models.objects:
-                AddCompliantHydroelasticProperties(
-                    length, config.hydroelastic_modulus, properties
-                )
-            else:
-                AddRigidHydroelasticProperties(length, properties)
-            AddContactMaterial(
-                dissipation=config.dissipation,
-                friction=CoulombFriction(mu, mu),
-                properties=properties,
-            )
-            scene_graph.AssignRole(
-                plant.get_source_id(), geometry, properties, RoleAssign.kReplace
-            )
-
-
-def _radius(shape: Shape) -> float:
-    """Returns the radius of a round shape, and 1 for shapes without one.
-
-    Only the meshes of round shapes depend on the length derived from it.
-    """
-    if isinstance(shape, Sphere | Cylinder | Capsule):
-        return shape.radius()
-    if isinstance(shape, Ellipsoid):
-        return min(shape.a(), shape.b(), shape.c())
-    return 1.0
-
-
 def _set_controller(
     plant: MultibodyPlant, robot: ModelInstanceIndex, config: RecordingConfig
 ) -> None:
-    # Before Finalize, only the list of all actuators is complete.
+    """Sets the gains of the robot's joints, and lifts gravity from it."""
+    # The plant isn't finalized: it can't list the robot's own actuators yet.
     actuators = [
         plant.get_joint_actuator(i) for i in plant.GetJointActuatorIndices()
     ]

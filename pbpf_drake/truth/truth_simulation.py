@@ -17,21 +17,19 @@ from pbpf_drake.log.log_records import (
 )
 from pbpf_drake.truth.simulated_detector import (
     SimulatedDetector,
-    VisibilityCamera,
 )
-from pbpf_drake.truth.truth_model import (
-    MakeTruth,
-    MakeTruthContext,
-    Truth,
+from pbpf_drake.truth.truth_model import MakeTruth, MakeTruthContext, Truth
+from pbpf_drake.truth.truth_parameters import (
     TruthParameters,
     draw_truth_parameters,
 )
+from pbpf_drake.truth.visibility_camera import VisibilityCamera
 
-# The log's first stamp (in nanoseconds): to ROS, a stamp of 0 is none.
+# When the log begins (in nanoseconds). ROS takes a stamp of 0 for none at all.
 _START_TIME = 1_000_000_000
 
-# What is due at a time: called with the time and the truth's context.
-_Call = Callable[[float, Context], None]
+# Records something: called with the time (in seconds) and the truth's context.
+_Record = Callable[[float, Context], None]
 
 
 @dataclass(frozen=True)
@@ -41,8 +39,8 @@ class Recording:
     Attributes:
         log: what was recorded.
         parameters: what was drawn for this run.
-        image_times: (N,) times of the camera's images (in seconds).
-        visibility: (N, K) visible share of each object in them.
+        image_times: (N,) when the camera's images were taken (in seconds).
+        visibility: (N, K) the visible share of each object in each image.
     """
 
     log: Log
@@ -60,21 +58,47 @@ def RecordRun(
     """Simulates a run of a scene as its ``recording`` says.
 
     Runs differ in where objects start, in the path, in friction and mass, and
-    in what the detector gets wrong. A run is a function of the scene, of
-    ``recording.seed`` in it, and of its number.
+    in what the detector gets wrong. The scene, with its ``recording.seed``, and
+    the run's number determine all of it.
 
     Args:
         scene: the scene.
         run: the number of the run, from 0.
-        progress: called with the time reached (in seconds), often.
+        progress: called again and again with the time reached (in seconds).
 
     Raises:
         ValueError: the run has no such number; ``recording`` has a bad value,
             doesn't fit the scene's models, or its path can't be followed.
     """
-    config = scene.recording
     if run < 0:
         raise ValueError(f"run is {run}; expected 0 or more")
+    config = scene.recording
+    parameters, truth, context = _make_run(scene, run)
+    recorder = _Recorder(
+        scene=scene, truth=truth, rng=_make_generator(config.seed, run, 1)
+    )
+    simulator = Simulator(truth.diagram, context)
+    periods: dict[_Record, float] = {
+        recorder.RecordJoints: config.joint_period,
+        recorder.RecordGroundTruth: config.ground_truth_period,
+        recorder.RecordDetections: config.detector.period,
+    }
+    for time, due in _schedule(periods, config.duration, config.time_step):
+        simulator.AdvanceTo(time, interruptible=False)
+        for record in due:
+            record(time, context)
+        if progress is not None:
+            progress(time)
+    return recorder.MakeRecording(parameters)
+
+
+def _make_run(scene: Scene, run: int) -> tuple[TruthParameters, Truth, Context]:
+    """Returns what is drawn for a run, its diagram, and the state at its start.
+
+    Raises:
+        ValueError: the scene can't be recorded; the message names its file.
+    """
+    config = scene.recording
     try:
         config.ValidateOrThrow()
         parameters = draw_truth_parameters(
@@ -85,22 +109,7 @@ def RecordRun(
     except (ValueError, RuntimeError) as error:
         where = f"Scene {scene.path or '(without a file)'}"
         raise ValueError(f"{where}: {error}") from error
-    recorder = _Recorder(
-        scene=scene, truth=truth, rng=_make_generator(config.seed, run, 1)
-    )
-    simulator = Simulator(truth.diagram, context)
-    periods: dict[_Call, float] = {
-        recorder.RecordJoints: config.joint_period,
-        recorder.RecordGroundTruth: config.ground_truth_period,
-        recorder.RecordDetections: config.detector.period,
-    }
-    for time, calls in _schedule(periods, config.duration, config.time_step):
-        simulator.AdvanceTo(time, interruptible=False)
-        for call in calls:
-            call(time, context)
-        if progress is not None:
-            progress(time)
-    return recorder.MakeRecording(parameters)
+    return parameters, truth, context
 
 
 def _make_generator(seed: int, run: int, purpose: int) -> np.random.Generator:
@@ -110,22 +119,25 @@ def _make_generator(seed: int, run: int, purpose: int) -> np.random.Generator:
 
 
 def _schedule(
-    periods: dict[_Call, float], duration: float, time_step: float
-) -> Iterator[tuple[float, list[_Call]]]:
+    periods: dict[_Record, float], duration: float, time_step: float
+) -> Iterator[tuple[float, list[_Record]]]:
     """Yields each time at which something is due, and what is.
 
-    Whole steps are counted, so that a period is the same everywhere and the
-    state at a time is that of its step.
+    All times are whole numbers of simulation steps, so that a period never
+    varies and what is recorded at a time is the state after its step.
     """
-    steps = {call: max(1, round(p / time_step)) for call, p in periods.items()}
+    intervals = {
+        record: max(1, round(period / time_step))
+        for record, period in periods.items()
+    }
     last = round(duration / time_step)
-    due = np.unique(
-        np.concatenate([np.arange(0, last + 1, n) for n in steps.values()])
+    steps = np.unique(
+        np.concatenate([np.arange(0, last + 1, n) for n in intervals.values()])
     )
-    for step in due:
+    for step in steps:
         yield (
             float(step * time_step),
-            [call for call, n in steps.items() if step % n == 0],
+            [record for record, n in intervals.items() if step % n == 0],
         )
 
 

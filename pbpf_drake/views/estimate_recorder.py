@@ -35,23 +35,24 @@ class EstimateRecorder(LeafSystem):
     Input ``estimated_poses``: List[RigidTransform] of length K, X_WO.
 
     Input ``covariances``: (K, 6, 6) flattened row-major: rotation vector
-    first, then position, in the world. Zeros are written without it.
+    first, then position, in the world. Zeros are written if it isn't connected.
 
     Input ``particles``: (M, K, 7) flattened row-major: qw qx qy qz, x y z of
-    X_WO (in meters). No particles are written without it.
+    X_WO (in meters). No particles are written if it isn't connected.
 
     Input ``update_time``: (1,) time of the estimate (in seconds); negative
     before the first one.
 
-    At every period, and when the diagram is published by force, an estimate
-    that was not written yet goes to ``/pbpf/estimate/<object>``, as
-    geometry_msgs/PoseWithCovarianceStamped, and its particles go to
-    ``/pbpf/particles/<object>``, as geometry_msgs/PoseArray. Both are in the
-    frame "world" and are stamped with the update time.
+    Events: at every period, and when the diagram is published by force, it
+    looks for an estimate that it hasn't written yet. The estimate goes to
+    ``/pbpf/estimate/<object>``, as geometry_msgs/PoseWithCovarianceStamped, and
+    its particles go to ``/pbpf/particles/<object>``, as
+    geometry_msgs/PoseArray. Both are in the frame "world" and are stamped with
+    the update time.
 
-    The file is opened at construction and is complete after ``Close``; use the
-    recorder as a context manager, or call it. The open file is no part of the
-    context: one recorder serves one simulation.
+    The file is opened at construction and is complete after ``Close``: call it,
+    or use the recorder as a context manager. The open file is not part of the
+    context, so one recorder serves only one simulation.
     """
 
     def __init__(
@@ -70,8 +71,8 @@ class EstimateRecorder(LeafSystem):
             filename: the file to write; its folder must exist.
             object_names: K names of tracked models.
             num_particles: M; 0 for an estimator without particles.
-            period: of looking for a new estimate (in seconds).
-            offset: of the first look (in seconds).
+            period: how often to look for a new estimate (in seconds).
+            offset: when to look for the first time (in seconds).
             start_time: what times are relative to, since the epoch (in
                 nanoseconds).
         """
@@ -101,7 +102,7 @@ class EstimateRecorder(LeafSystem):
         self.DeclareVectorInputPort(name="update_time", size=1)
 
     def Close(self) -> None:
-        """Completes the file. What is published later is an error."""
+        """Completes the file; to publish something later is an error."""
         if self._file is not None:
             self._file.Close()
         self._file = None
@@ -165,13 +166,13 @@ def AddEstimateRecorder(
 
     Args:
         builder: the diagram to add to.
-        filter: has output ports named as the recorder's inputs, or as those
-            that are not optional.
-        filename: as for EstimateRecorder; so are all that follow.
+        filter: has output ports with the names of the recorder's inputs; it can
+            be without those that are optional.
+        filename: see EstimateRecorder, as for all that follow.
         object_names: K names of tracked models.
         num_particles: M; 0 for an estimator without particles.
-        period: of looking for a new estimate (in seconds).
-        offset: of the first look (in seconds).
+        period: how often to look for a new estimate (in seconds).
+        offset: when to look for the first time (in seconds).
         start_time: what times are relative to (in nanoseconds).
 
     Returns:

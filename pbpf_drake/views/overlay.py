@@ -1,4 +1,4 @@
-"""Draws what the camera sees, with the paper's wireframes.
+"""Draws wireframes over what the camera sees, as the paper's figures do.
 
 Images are (height, width, 3) of bytes: blue, green, red, as OpenCV has them.
 """
@@ -8,20 +8,17 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from pbpf_drake.config.scene_config import CameraConfig
+from pbpf_drake.config.camera_config import CameraConfig
 from pbpf_drake.scene.pinhole import project_segments
+from pbpf_drake.views.palette import BACKGROUND_BGR
 
-ESTIMATE_COLOR = (90, 224, 25)
-DETECTION_COLOR = (0, 213, 255)
-SURROUNDINGS_COLOR = (110, 110, 110)
-BACKGROUND_COLOR = (40, 40, 40)
-# Coordinates of lines are given in steps of 1/16 of a pixel.
+# OpenCV is given the ends of lines in steps of 2^-4 pixels.
 _SHIFT = 4
 
 
 def plain_image(camera: CameraConfig) -> np.ndarray:
-    """Returns an image of nothing."""
-    return np.full((camera.height, camera.width, 3), BACKGROUND_COLOR, np.uint8)
+    """Returns an image of nothing but the background."""
+    return np.full((camera.height, camera.width, 3), BACKGROUND_BGR, np.uint8)
 
 
 def draw_edges(
@@ -37,7 +34,7 @@ def draw_edges(
     Args:
         image: to draw into.
         edges_W: segments in the world (in meters), (E, 2, 3).
-        camera: that has taken the image.
+        camera: the one that took the image.
         color: blue, green, red, from 0 to 255.
         width: of the lines (in pixels).
     """

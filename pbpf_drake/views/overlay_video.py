@@ -5,7 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-# MPEG-4 can't count finer, or longer, than this (in 1/s).
+# The lowest and the highest rate of images that MPEG-4 can write (in 1/s).
 _RATES = (0.01, 500.0)
 
 
@@ -19,8 +19,8 @@ class OverlayVideo:
 
         Args:
             filename: the file to write; its folder must exist.
-            width, height: of all images (in pixels).
-            period: between two images (in seconds).
+            width, height: of every image (in pixels).
+            period: time between two images (in seconds).
 
         Raises:
             ValueError: OpenCV can't write such a file.

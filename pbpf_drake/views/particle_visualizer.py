@@ -17,29 +17,34 @@ from pydrake.systems.framework import (
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.dope_measurement import DopeMeasurement, EvalDopeMeasurement
 from pbpf_drake.poses.pose_conversion import rigid_transform
+from pbpf_drake.views.palette import (
+    DETECTION_RGBA,
+    ESTIMATE_RGBA,
+    TRUTH_RGBA,
+)
 from pbpf_drake.views.scene_meshcat import SceneMeshcat
 from pbpf_drake.views.visual_geometry import (
-    DETECTION_COLOR,
-    ESTIMATE_COLOR,
-    TRUTH_COLOR,
     DrawGeometries,
     DrawOutline,
     MakeSilhouette,
 )
 
-# Many particles overlap: one alone is hardly seen, all together are a cloud.
+# Particles overlap: one alone can hardly be seen, all together look like a
+# cloud.
 _PARTICLE_OPACITY = 0.03
 _FILL_OPACITY = 0.25
+# More particles than this aren't drawn, or Meshcat gets slow.
+_MAX_DRAWN = 70
 
 
 class ParticleVisualizer(LeafSystem):
     """Draws the robot, and where the objects are said to be.
 
-    Per object there is, in Meshcat: ``estimate/NAME``, solid with a green
-    tint; ``particles/NAME/m``, ghosts; ``detection/NAME``, the last detection
-    as a yellow box, which is filled while the object is being detected; and
-    ``truth/NAME``, blue. An input that isn't connected, and a pose that isn't
-    finite, isn't shown.
+    For each object, Meshcat has ``estimate/NAME``, solid with a green tint;
+    ``particles/NAME/m``, faint silhouettes; ``detection/NAME``, the last
+    detection as a yellow box, which is filled while the detection is new; and
+    ``truth/NAME``, a blue box. An input that isn't connected isn't shown, and
+    neither is a pose that isn't finite.
 
     .. pydrake_system::
 
@@ -55,14 +60,14 @@ class ParticleVisualizer(LeafSystem):
     Input ``estimated_poses``: List[RigidTransform], X_WO of the K tracked
     objects in the scene's order.
     Input ``particles``: (M, K, 7) flattened row-major; qw qx qy qz, x y z (in
-    meters); at most 70 of them are drawn, evenly spaced.
+    meters); at most 70 of them, evenly spaced, are drawn.
     Input ``dope_measurement``: a DopeMeasurement.
     Input ``ground_truth_poses``: List[RigidTransform], X_WO of the objects
     in ``ground_truth_names``.
 
-    Events: publishes every ``period``, the first time after ``offset``. What
-    a filter with the same period computes at a time is seen by what is
-    published later than that time; hence an offset a little above zero.
+    Events: publishes every ``period``, for the first time at ``offset``. If a
+    filter with the same period updates at a time, only what is published after
+    that time shows it: hence the offset is a little above zero.
     """
 
     def __init__(
@@ -80,8 +85,8 @@ class ParticleVisualizer(LeafSystem):
         Args:
             meshcat: where to draw.
             scene: what to draw.
-            num_particles: M, 0 for an estimator without particles.
-            ground_truth_names: the objects that ground_truth_poses has, by
+            num_particles: M; 0 for an estimator without particles.
+            ground_truth_names: the objects that ground_truth_poses has; by
                 default all that are tracked.
             period: time between two pictures (in seconds).
             offset: time of the first picture (in seconds).
@@ -93,9 +98,9 @@ class ParticleVisualizer(LeafSystem):
         self._truth_names = tuple(
             self._names if ground_truth_names is None else ground_truth_names
         )
-        # A detection that is older than this is one of the past.
+        # A detection that is older than this isn't new any more.
         self._max_age = scene.filter.max_detection_age
-        drawn = min(num_particles, 70)
+        drawn = min(num_particles, _MAX_DRAWN)
         self._drawn = np.linspace(0, num_particles - 1, drawn).astype(int)
         self._shape = (num_particles, len(self._names), 7)
         self._Declare(period, offset)
@@ -124,18 +129,16 @@ class ParticleVisualizer(LeafSystem):
         )
 
     def _Draw(self) -> None:
-        """Sets the objects, all of them hidden until there is a pose."""
+        """Draws all objects, hidden until their poses are known."""
         meshcat = self._meshcat
         for name, own in self._scene.object_geometries.items():
-            DrawGeometries(
-                meshcat, f"estimate/{name}", own, tint=ESTIMATE_COLOR
-            )
-            ghost = MakeSilhouette(own, ESTIMATE_COLOR, _PARTICLE_OPACITY)
+            DrawGeometries(meshcat, f"estimate/{name}", own, tint=ESTIMATE_RGBA)
+            faint = MakeSilhouette(own, ESTIMATE_RGBA, _PARTICLE_OPACITY)
             for m in range(len(self._drawn)):
-                DrawGeometries(meshcat, f"particles/{name}/{m}", ghost)
+                DrawGeometries(meshcat, f"particles/{name}/{m}", faint)
             for path, color in (
-                ("detection", DETECTION_COLOR),
-                ("truth", TRUTH_COLOR),
+                ("detection", DETECTION_RGBA),
+                ("truth", TRUTH_RGBA),
             ):
                 DrawOutline(meshcat, f"{path}/{name}/outline", own, color)
                 fill = MakeSilhouette(own, color, _FILL_OPACITY)
@@ -202,6 +205,13 @@ class ParticleVisualizer(LeafSystem):
         )
 
 
+def _count_particles(filter: System, num_objects: int) -> int:
+    """Returns M, or 0 for an estimator without particles."""
+    if not filter.HasOutputPort("particles"):
+        return 0
+    return filter.GetOutputPort("particles").size() // (7 * num_objects)
+
+
 def AddParticleVisualizer(
     *,
     builder: DiagramBuilder,
@@ -216,22 +226,19 @@ def AddParticleVisualizer(
     """Adds a visualizer, with the period of the scene's filter.
 
     Args:
-        builder: the diagram, which ``filter`` is part of.
+        builder: the diagram that ``filter`` is part of.
         meshcat: where to draw.
         scene: what to draw.
-        filter: has an output estimated_poses and may have particles.
+        filter: has an output estimated_poses, and may have one for particles.
         joint_positions: the robot's joints.
         dope_measurement: what the detector says.
         ground_truth_poses: List[RigidTransform], where the objects are.
         ground_truth_names: which objects those are; all by default.
 
     Returns:
-        The visualizer, which is connected to all that is given.
+        The visualizer, connected to all ports that are given.
     """
-    num_particles = 0
-    if filter.HasOutputPort("particles"):
-        size = filter.GetOutputPort("particles").size()
-        num_particles = size // (7 * len(scene.tracked))
+    num_particles = _count_particles(filter, len(scene.tracked))
     visualizer = builder.AddSystem(
         ParticleVisualizer(
             meshcat=meshcat,

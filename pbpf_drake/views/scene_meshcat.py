@@ -1,7 +1,7 @@
 """Draws a scene in Meshcat from its models' illustration geometry.
 
 Paths in Meshcat are ``scene/MODEL/BODY`` for the robot and everything fixed.
-The tracked objects are left to the caller: where they are is what is sought.
+The tracked objects are left to the caller, who knows where they are.
 """
 
 from pathlib import Path
@@ -13,10 +13,12 @@ from pydrake.planning import RobotDiagramBuilder
 
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.scene.scene_models import AddSceneModels
+from pbpf_drake.views.palette import (
+    DETECTION_RGBA,
+    ESTIMATE_RGBA,
+    TRUTH_RGBA,
+)
 from pbpf_drake.views.visual_geometry import (
-    DETECTION_COLOR,
-    ESTIMATE_COLOR,
-    TRUTH_COLOR,
     DrawGeometries,
     GetVisualGeometries,
     VisualGeometry,
@@ -27,9 +29,9 @@ _MESHCAT_CAMERA = "/Cameras/default/rotated/<object>"
 _MESHCAT_FIELD_OF_VIEW = np.deg2rad(75.0)
 
 _LEGEND = (
-    ("estimate, in a cloud of its particles", ESTIMATE_COLOR),
-    ("last detection, filled while it is new", DETECTION_COLOR),
-    ("ground truth, where it is known", TRUTH_COLOR),
+    ("estimate, in a cloud of its particles", ESTIMATE_RGBA),
+    ("last detection, filled while it is new", DETECTION_RGBA),
+    ("ground truth, where it is known", TRUTH_RGBA),
 )
 _LEGEND_STYLE = (
     "position:fixed; left:12px; bottom:12px; z-index:1; padding:6px 10px; "
@@ -43,9 +45,9 @@ class SceneMeshcat:
 
     Attributes:
         meshcat: where it is drawn.
-        num_positions: n, the positions of the robot.
-        object_names: the K tracked models.
-        object_geometries: by name of the tracked model.
+        num_positions: n, how many positions the robot has.
+        object_names: of the K tracked models.
+        object_geometries: of each tracked model, by its name.
     """
 
     def __init__(self, *, meshcat: Meshcat, scene: Scene):
@@ -93,10 +95,10 @@ class SceneMeshcat:
             )
 
     def SetCameraView(self) -> None:
-        """Looks at the objects from the scene's camera's side.
+        """Looks at the objects from where the scene's camera is, or nearly so.
 
-        The field of view and the distance are the camera's. The view point is
-        higher by 15 degrees, to look over what hides the objects from it.
+        The field of view and the distance are those of the camera. The view is
+        from 15 degrees higher, to look over what hides the objects from it.
         """
         context = self._plant.CreateDefaultContext()
         X_WC = self._camera.pose()
@@ -106,12 +108,13 @@ class SceneMeshcat:
         ]
         forward = X_WC.rotation().col(2)
         depth = forward @ (np.mean(p_WO, axis=0) - X_WC.translation())
-        # A camera that doesn't see the objects has to be somewhere, too.
+        # Where the objects are behind the camera, any distance will do.
         depth = max(float(depth), 0.1)
         target = X_WC.translation() + depth * forward
         offset = _raise_view(-depth * forward, -X_WC.rotation().col(1))
-        # Meshcat's camera is kept, a saved replay may set its parts in any
-        # order; zoom makes its field of view the scene's camera's.
+        # Meshcat's own camera isn't replaced, as a saved replay may set its
+        # parts in any order. Zoom gives it the field of view of the scene's
+        # camera.
         zoom = np.tan(0.5 * _MESHCAT_FIELD_OF_VIEW) / (
             0.5 * self._camera.height / self._camera.fy
         )
@@ -132,10 +135,15 @@ class SceneMeshcat:
 
 
 def _raise_view(offset: np.ndarray, up: np.ndarray) -> np.ndarray:
-    """Returns the offset from target to viewer, higher by 15 degrees.
+    """Returns the offset from target to viewer, raised by 15 degrees.
 
-    It keeps away from straight down, where what is up isn't defined; ``up``
-    in the picture tells then from which side to look.
+    The viewer never looks straight down, as there the upward direction of the
+    picture isn't defined.
+
+    Args:
+        offset: (3,) from the target to the camera (in meters).
+        up: (3,) the upward direction in the camera's picture. It tells from
+            which side to look if the camera does look straight down.
     """
     length = np.linalg.norm(offset)
     elevation = np.arcsin(offset[2] / length) + np.deg2rad(15.0)

@@ -1,6 +1,6 @@
 """Writes what a tracker saw and estimated as an MCAP file.
 
-All is in one file of ROS 2 messages that Foxglove, Rerun and `ros2 bag` open.
+It holds ROS 2 messages, which Foxglove, Rerun and `ros2 bag` can read.
 """
 
 from pathlib import Path
@@ -26,14 +26,14 @@ from pbpf_drake.dope_measurement import Detection
 from pbpf_drake.log.mcap_log_writer import CAMERA_FRAME, CHUNK_SIZE, WORLD_FRAME
 from pbpf_drake.poses.pose_conversion import pose_array
 
-# ROS has the position first, then the rotation.
+# In ROS, a covariance has the position first, then the rotation.
 _ROS_ORDER = [3, 4, 5, 0, 1, 2]
 
 
 class TrackMcap:
     """An MCAP file that is being written; a context manager.
 
-    Messages are logged at the time of the update that they belong to.
+    The log time of a message is that of the update that it belongs to.
     """
 
     def __init__(self, *, filename: str | Path, start_time: int):
@@ -86,7 +86,7 @@ class TrackMcap:
         Args:
             time: of the update that used it (in seconds).
             name: of the object.
-            detection: its own time is that of the message's header.
+            detection: the message's header has the time of the detection.
         """
         X = pose_array(detection.X_WO)
         self._Write(
@@ -134,7 +134,7 @@ class TrackMcap:
         Args:
             time: of the update (in seconds).
             name: of the object.
-            particles: (M, 7) as the pose of WriteEstimate.
+            particles: (M, 7), each as ``pose`` in WriteEstimate.
         """
         poses = [pose_message(q=x[:4], p=x[4:]) for x in particles]
         self._Write(

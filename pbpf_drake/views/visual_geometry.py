@@ -1,7 +1,8 @@
-"""Shapes and colors of models, and how tracked objects are drawn.
+"""Shapes and colors of models, and how tracked objects are drawn in Meshcat.
 
-A tracked object is drawn several times over: solid where it is estimated to
-be, and as ghosts and outlines where it is detected, and where it truly is.
+A tracked object is drawn several times: solid where it is estimated to be, as a
+faint silhouette where each particle is, and as a silhouette with an outline
+where it is detected and where it truly is.
 """
 
 from collections.abc import Sequence
@@ -22,12 +23,12 @@ from pydrake.geometry import (
 )
 from pydrake.math import RigidTransform
 
-ESTIMATE_COLOR = Rgba(0.1, 0.75, 0.3)
-DETECTION_COLOR = Rgba(1.0, 0.8, 0.0)
-TRUTH_COLOR = Rgba(0.1, 0.3, 1.0)
+from pbpf_drake.shapes.box_corners import box_corners, box_edges
+from pbpf_drake.views.palette import PLAIN_RGBA
 
-# What is covered up to this (in meters) is painted on, not a part.
-_PAINT = 1e-3
+# A geometry that sticks out of another by no more than this (in meters) is
+# taken for a label on it.
+_LABEL_THICKNESS = 1e-3
 
 
 @dataclass(frozen=True)
@@ -52,9 +53,7 @@ def GetVisualGeometries(
     geometries = []
     for geometry in inspector.GetGeometries(frame, Role.kIllustration):
         properties = inspector.GetIllustrationProperties(geometry)
-        rgba = properties.GetPropertyOrDefault(
-            "phong", "diffuse", Rgba(0.9, 0.9, 0.9)
-        )
+        rgba = properties.GetPropertyOrDefault("phong", "diffuse", PLAIN_RGBA)
         geometries.append(
             VisualGeometry(
                 shape=inspector.GetShape(geometry),
@@ -72,13 +71,13 @@ def DrawGeometries(
     *,
     tint: Rgba | None = None,
 ) -> None:
-    """Sets the objects ``path/0``, ``path/1``, … at their poses in ``path``.
+    """Draws geometries as ``path/0``, ``path/1`` and so on.
 
     Args:
         meshcat: where to draw.
-        path: of the body.
+        path: of the body, in Meshcat.
         geometries: what to draw.
-        tint: a color that theirs are mixed with, half and half.
+        tint: a color that is mixed with theirs, half and half.
     """
     for i, geometry in enumerate(geometries):
         rgba = geometry.rgba if tint is None else _mix(geometry.rgba, tint)
@@ -93,13 +92,13 @@ def DrawGeometries(
 def MakeSilhouette(
     geometries: Sequence[VisualGeometry], color: Rgba, opacity: float
 ) -> list[VisualGeometry]:
-    """Returns a simple likeness in one color, to be drawn many times.
+    """Returns a simple likeness of a body in one color, to draw many times.
 
-    Meshes become their boxes, which keeps files small, and what a bigger
-    geometry covers, as a label on a box, is left out.
+    A mesh is replaced by the box around it, which keeps files small. A geometry
+    that a bigger one covers, such as a label on a box, is left out.
 
     Args:
-        geometries: of one body.
+        geometries: those of the body.
         color: of the likeness.
         opacity: from 0 to 1.
     """
@@ -130,9 +129,8 @@ def DrawOutline(
     """Draws the edges of the box around all geometries as lines at ``path``."""
     corners = np.vstack([_corners(*_bounding_box(g)) for g in geometries])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    box = _corners(RigidTransform(0.5 * (low + high)), 0.5 * (high - low))
-    edges = [(i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit]
-    start, end = box[np.array(edges).T]
+    edges = box_edges(0.5 * (high - low)) + 0.5 * (low + high)
+    start, end = edges[:, 0], edges[:, 1]
     meshcat.SetLineSegments(
         path,
         start=np.asfortranarray(start.T),
@@ -143,6 +141,7 @@ def DrawOutline(
 
 
 def _mix(rgba: Rgba, tint: Rgba) -> Rgba:
+    """Returns the color halfway between two, as opaque as ``tint``."""
     mixed = 0.5 * (
         np.array([rgba.r(), rgba.g(), rgba.b()])
         + np.array([tint.r(), tint.g(), tint.b()])
@@ -164,14 +163,14 @@ def _bounding_box(
 
 
 def _corners(X_BA: RigidTransform, half: np.ndarray) -> np.ndarray:
-    """Returns the 8 corners of a box in B, (8, 3); bit i of a row: +axis i."""
-    bits = (np.arange(8)[:, None] >> np.arange(3)) & 1
-    return (X_BA @ ((2 * bits - 1) * half).T).T
+    """Returns the corners of a box in B, (8, 3)."""
+    return (X_BA @ box_corners(half).T).T
 
 
 def _covers(
     box: tuple[RigidTransform, np.ndarray], corners: np.ndarray
 ) -> bool:
+    """Tells if a box has all points inside, or at most a label's outside."""
     X_BA, half = box
     p_A = (X_BA.inverse() @ corners.T).T
-    return bool(np.all(np.abs(p_A) <= half + _PAINT))
+    return bool(np.all(np.abs(p_A) <= half + _LABEL_THICKNESS))

@@ -25,6 +25,8 @@ from pydrake.geometry import (
     Sphere,
 )
 
+from pbpf_drake.shapes.hull_planes import MakeHullPlanes
+
 # Divisions are by this instead of zero: quotients get huge, with the right
 # sign, and do not overflow.
 _TINY = 1e-300
@@ -238,12 +240,10 @@ def _half_space() -> RayPolytope:
 
 def _make_polytope(hull: PolygonSurfaceMesh) -> RayPolytope:
     vertices = np.array([hull.vertex(i) for i in range(hull.num_vertices())])
-    faces = range(hull.num_faces())
-    normals = np.array([hull.face_normal(f) for f in faces])
-    corners = vertices[[hull.element(f).vertex(0) for f in faces]]
+    normals, offsets = MakeHullPlanes(hull)
     return RayPolytope(
         normals=normals,
-        offsets=np.einsum("fi,fi->f", normals, corners),
+        offsets=offsets,
         bounding_radius=float(np.max(np.linalg.norm(vertices, axis=-1))),
         bounds=(vertices.min(axis=0), vertices.max(axis=0)),
     )

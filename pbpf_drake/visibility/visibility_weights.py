@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pbpf_drake.config.particle_filter_config import VisibilityConfig
+from pbpf_drake.config.visibility_config import VisibilityConfig
 
 
 def visibility_log_factor(

@@ -9,7 +9,8 @@ from pydrake.multibody.plant import (
 from pydrake.multibody.tree import RigidBody
 import pytest
 
-from pbpf_drake.config.scene_config import CameraConfig
+from pbpf_drake.config.camera_config import CameraConfig
+from pbpf_drake.shapes.box_corners import box_corners
 
 SCENES = ["cheezit_1", "planar_push"]
 
@@ -21,9 +22,8 @@ def _half_size(world: World, body: RigidBody) -> np.ndarray:
 
 def _corners(world: World, body: RigidBody, shift=(0, 0, 0)) -> np.ndarray:
     """The eight corners of a body's box (8, 3), in the world."""
-    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T
     X_WB = body.EvalPoseInWorld(world.context)
-    return (X_WB @ (signs * _half_size(world, body)).T).T + shift
+    return (X_WB @ box_corners(_half_size(world, body)).T).T + shift
 
 
 def _is_in_image(camera: CameraConfig, p_W: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 import pytest
 from recording_fixtures import make_planar_scene
 
-from pbpf_drake.config.recording_config import DetectorConfig
+from pbpf_drake.config.detector_config import DetectorConfig
 from pbpf_drake.diagrams.compare_detector import (
     describe,
     describe_images,

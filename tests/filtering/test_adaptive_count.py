@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2, norm
 
-from pbpf_drake.config.particle_filter_config import AdaptiveCountConfig
+from pbpf_drake.config.adaptive_count_config import AdaptiveCountConfig
 from pbpf_drake.filtering.adaptive_count import (
     bin_labels,
     kld_sample_size,

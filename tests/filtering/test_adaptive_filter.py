@@ -25,10 +25,8 @@ from update_fixtures import (
     step,
 )
 
-from pbpf_drake.config.particle_filter_config import (
-    AdaptiveCountConfig,
-    PoseStddev,
-)
+from pbpf_drake.config.adaptive_count_config import AdaptiveCountConfig
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.filtering.add_particle_filter import AssembleParticleFilter
 from pbpf_drake.filtering.filter_state import MakeInitialState
 from pbpf_drake.filtering.resampling import effective_sample_size

@@ -13,11 +13,9 @@ import numpy as np
 from pydrake.systems.framework import DiagramBuilder
 import pytest
 
-from pbpf_drake.config.particle_filter_config import (
-    ParticleFilterConfig,
-    PoseStddev,
-    VisibilityConfig,
-)
+from pbpf_drake.config.distributions import PoseStddev
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
+from pbpf_drake.config.visibility_config import VisibilityConfig
 from pbpf_drake.filtering.add_particle_filter import (
     AddParticleFilter,
     ConfigForMethod,

@@ -1,7 +1,7 @@
 import numpy as np
 from update_fixtures import NOMINAL, make_cloud
 
-from pbpf_drake.config.particle_filter_config import PoseStddev
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.filtering.belief_covariance import belief_covariances
 from pbpf_drake.filtering.filter_state import MakeInitialState
 

@@ -15,10 +15,8 @@ from update_fixtures import (
     step,
 )
 
-from pbpf_drake.config.particle_filter_config import (
-    ParticleFilterConfig,
-    PoseStddev,
-)
+from pbpf_drake.config.distributions import PoseStddev
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.filtering.filter_state import MakeInitialState
 from pbpf_drake.filtering.particle_filter_update import ParticleFilterUpdate
 from pbpf_drake.poses import quaternions

@@ -3,7 +3,7 @@ import pytest
 from scipy.spatial.transform import Rotation, Slerp
 from scipy.stats import multivariate_normal, norm
 
-from pbpf_drake.config.particle_filter_config import PoseStddev
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.filtering.observation_model import (
     detection_log_likelihood,
     poses_at,

@@ -18,10 +18,9 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 import pytest
 
-from pbpf_drake.config.particle_filter_config import (
+from pbpf_drake.config.distributions import PoseStddev, TruncatedGaussian
+from pbpf_drake.config.physical_parameters_config import (
     PhysicalParametersConfig,
-    PoseStddev,
-    TruncatedGaussian,
 )
 from pbpf_drake.filtering.add_particle_filter import AddParticleFilter
 

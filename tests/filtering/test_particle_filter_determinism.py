@@ -18,7 +18,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 import pytest
 
-from pbpf_drake.config.particle_filter_config import AdaptiveCountConfig
+from pbpf_drake.config.adaptive_count_config import AdaptiveCountConfig
 from pbpf_drake.filtering.add_particle_filter import AddParticleFilter
 
 PORTS = ("joint_positions", "dope_measurement")

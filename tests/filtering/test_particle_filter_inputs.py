@@ -1,4 +1,4 @@
-"""What the filter does with inputs that are late, damaged or impossible."""
+"""What the filter does with joints, and all else, that can't be right."""
 
 from filter_fixtures import (
     BLOCK,
@@ -8,13 +8,13 @@ from filter_fixtures import (
     assert_same,
     detections,
     planar_scene,
+    run_tracking,
     small_config,
 )
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 import pytest
 
-from pbpf_drake.config.particle_filter_config import PoseStddev
 from pbpf_drake.dope_measurement import Detection, DopeMeasurement
 
 MOTIONS = ("physics", "constant_velocity")
@@ -27,152 +27,7 @@ def scene():
 
 
 def _make(scene, **changes) -> FilterRun:
-    changes = {"motion": "constant_velocity", **changes}
     return FilterRun(scene, small_config(scene, **changes))
-
-
-def _tracking(scene, **changes) -> FilterRun:
-    """A filter after its first update, which tracks the block."""
-    run = _make(scene, **changes)
-    run.measure(detections(0.1, block=BLOCK))
-    run.update(1)
-    return run
-
-
-# Detections.
-
-
-@pytest.mark.parametrize(
-    "measurement",
-    [
-        pytest.param(detections(0.3, block=[np.nan, 0, 0]), id="NaN position"),
-        pytest.param(detections(0.3, block=[np.inf, 0, 0]), id="infinite"),
-        pytest.param(detections(0.3, block=[0, 1e200, 0]), id="out of range"),
-        pytest.param(
-            DopeMeasurement(
-                {
-                    "block": Detection(
-                        RigidTransform(
-                            RotationMatrix(np.full((3, 3), np.nan)), BLOCK
-                        ),
-                        0.3,
-                    )
-                }
-            ),
-            id="NaN rotation",
-        ),
-        pytest.param(detections(np.nan, block=AWAY), id="NaN stamp"),
-        pytest.param(detections(np.inf, block=AWAY), id="infinite stamp"),
-        pytest.param(detections(0.05, block=AWAY), id="older than the last"),
-        pytest.param(detections(0.1, block=AWAY), id="as old as the last"),
-        pytest.param(detections(0.0, block=AWAY), id="stale"),
-        pytest.param(detections(-1e9, block=AWAY), id="long ago"),
-        pytest.param(detections(0.45, block=AWAY), id="of the future"),
-        pytest.param(detections(1e9, block=AWAY), id="of the far future"),
-        pytest.param(detections(0.3, other=AWAY), id="of something else"),
-        pytest.param(DopeMeasurement(), id="empty"),
-    ],
-)
-def test_a_detection_that_is_of_no_use_is_ignored(scene, measurement):
-    run, other = (_tracking(scene) for _ in range(2))
-    run.measure(measurement)
-    for i in (2, 3):
-        if i == 3:  # It must not stand in the way of the next.
-            for each in (run, other):
-                each.measure(detections(0.47, block=BLOCK))
-        for each in (run, other):
-            each.update(i)
-        assert run["detected"] == [i == 3]
-    assert_same(run.ports(), other.ports())
-
-
-def test_a_stamp_of_the_future_is_used_when_its_time_has_come(scene):
-    run = _tracking(scene)
-    run.measure(detections(2.1 * PERIOD, block=BLOCK))
-    run.update(2)
-    assert run["detected"] == [0]
-    run.update(3)
-    assert run["detected"] == [1]
-
-
-@pytest.mark.parametrize("bad", [{"block": BLOCK}, [BLOCK], RigidTransform])
-def test_a_measurement_of_another_type_is_a_worded_error(scene, bad):
-    run = _make(scene)
-    run.measure(bad)
-    with pytest.raises(
-        TypeError, match=f"dope_measurement.*{type(bad).__name__}.*expected"
-    ):
-        run.update(1)
-
-
-def _estimate_with(scene, position, *, stamp, received) -> np.ndarray:
-    """Where the block is said to be after one detection too many.
-
-    The particles are spread over 5 mm and move along x by 0.1 m/s.
-    """
-    run = _make(
-        scene,
-        num_particles=400,
-        initial_noise=PoseStddev(position=0.02),
-        process_noise=PoseStddev(position=0.005),
-        detection_noise=PoseStddev(position=0.005, rotation=0.1),
-    )
-    for i in (1, 2, 3, 4):
-        time = i * PERIOD
-        run.measure(detections(time, block=[0.1 * time, 0, 0.0065]))
-        run.update(i)
-    # Between two samples that are in the same period.
-    run.simulator.AdvanceTo(received)
-    run.measure(detections(stamp, block=position))
-    run.update(int(received / PERIOD) + 1)
-    return run["estimated_poses"][0, 4:6], run["detected"][0]
-
-
-def test_a_late_detection_is_used_at_its_stamp(scene):
-    """It says where the object was then, not where it is now."""
-    stamp, received = 4.1 * PERIOD, 4.9 * PERIOD
-    seen_then = [0.1 * stamp, 0.0, 0.0065]
-    estimate, detected = _estimate_with(
-        scene, seen_then, stamp=stamp, received=received
-    )
-    assert detected
-    assert estimate[0] == pytest.approx(0.1 * 5 * PERIOD, abs=0.004)
-    # The same position with the stamp of now is behind what is expected.
-    behind, _ = _estimate_with(
-        scene, seen_then, stamp=received, received=received
-    )
-    assert behind[0] < estimate[0] - 0.004
-
-
-def test_a_detection_that_is_too_old_when_it_arrives_is_not_used(scene):
-    for age, detected in ((0.24, True), (0.27, False)):
-        run = _make(scene, max_detection_age=0.25)
-        run.simulator.AdvanceTo(2.9 * PERIOD)
-        # It is seen with the next sample, at the end of the period.
-        run.measure(detections(3 * PERIOD - age, block=BLOCK))
-        run.update(3)
-        assert run["detected"] == [detected]
-
-
-def test_several_detections_of_a_period_are_all_used(scene):
-    """Their mean, if they are equally good."""
-    run = _make(
-        scene,
-        num_particles=300,
-        initial_noise=PoseStddev(position=0.05),
-        process_noise=PoseStddev(),
-        detection_noise=PoseStddev(position=0.005, rotation=0.1),
-    )
-    for i, x in enumerate((0.20, 0.21, 0.23)):
-        run.simulator.AdvanceTo((0.2 + 0.25 * i) * PERIOD)
-        time = run.context.get_time()
-        run.measure(detections(time, block=[x, 0, 0.0065]))
-    run.update(1)
-    x = run["estimated_poses"][0, 4]
-    assert x == pytest.approx(0.64 / 3, abs=0.002)
-
-
-# Joints.
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
@@ -202,7 +57,7 @@ def test_velocities_that_are_not_finite_are_held(scene):
 
 @pytest.mark.parametrize("size", [1.0, 1e3, 1e9])
 def test_joints_that_jump_do_not_stop_the_filter(scene, size):
-    run = _tracking(scene, motion="physics")
+    run = run_tracking(scene, motion="physics")
     for i, q in enumerate(([size, 0.0], PROBE, [size, -size], PROBE), start=2):
         run.set_joints(q)
         run.update(i)
@@ -216,7 +71,7 @@ def test_joints_that_jump_do_not_stop_the_filter(scene, size):
 
 def test_the_filter_goes_on_where_all_particles_fail(scene):
     """None is slow enough; the motion is unknown, the block is not."""
-    run = _tracking(
+    run = run_tracking(
         scene, motion="physics", max_speed=1e-12, recover_lost_tracks=True
     )
     for i in range(2, 6):
@@ -227,9 +82,6 @@ def test_the_filter_goes_on_where_all_particles_fail(scene):
     np.testing.assert_allclose(
         run["estimated_poses"][0, 4:6], AWAY[:2], atol=0.05
     )
-
-
-# Anything.
 
 
 def _assert_finite(run: FilterRun, update: int) -> None:

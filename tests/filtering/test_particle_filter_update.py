@@ -13,7 +13,7 @@ from update_fixtures import (
     step,
 )
 
-from pbpf_drake.config.particle_filter_config import PoseStddev
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.filtering.filter_state import FilterState, MakeInitialState
 from pbpf_drake.filtering.resampling import effective_sample_size
 

@@ -2,10 +2,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pbpf_drake.config.particle_filter_config import (
-    ParticleFilterConfig,
-    PoseStddev,
-)
+from pbpf_drake.config.distributions import PoseStddev
+from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.filtering.filter_state import (
     FilterState,
     MakeInitialState,

@@ -11,9 +11,9 @@ from pydrake.multibody.plant import CoulombFriction
 import pytest
 from scipy.stats import norm
 
-from pbpf_drake.config.particle_filter_config import (
+from pbpf_drake.config.distributions import TruncatedGaussian
+from pbpf_drake.config.physical_parameters_config import (
     PhysicalParametersConfig,
-    TruncatedGaussian,
 )
 from pbpf_drake.motion.physical_parameters import SamplePhysicalParameters
 from pbpf_drake.scene.prediction_model import MakePredictionModel

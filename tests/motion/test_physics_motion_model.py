@@ -7,7 +7,6 @@ from physics_fixtures import (
     blocks_in_the_way,
     blocks_on_table,
     exactly,
-    make_model,
     make_motion,
     still,
     straight_path,
@@ -17,16 +16,6 @@ import pytest
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.motion.control_path import ControlPath
 from pbpf_drake.motion.physics_motion_model import PhysicsMotionModel
-
-
-@pytest.fixture(scope="module")
-def block():
-    return make_model("block")
-
-
-@pytest.fixture(scope="module")
-def two():
-    return make_model("block", "soup")
 
 
 def _config(num_particles: int, **parameters) -> ParticleFilterConfig:

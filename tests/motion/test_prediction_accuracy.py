@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
+from particle_cloud import Cloud
 from physics_fixtures import (
     PROBE_RADIUS,
     TOUCHING,
-    Cloud,
     make_model,
     straight_path,
 )

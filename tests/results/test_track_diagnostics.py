@@ -4,9 +4,9 @@ from filter_fixtures import PERIOD, make_push_log, planar_scene
 import numpy as np
 import pytest
 
-from pbpf_drake.config.particle_filter_config import (
+from pbpf_drake.config.distributions import TruncatedGaussian
+from pbpf_drake.config.physical_parameters_config import (
     PhysicalParametersConfig,
-    TruncatedGaussian,
 )
 from pbpf_drake.motion.physics_motion_model import PhysicsMotionModel
 from pbpf_drake.results.track_diagnostics import (

@@ -26,7 +26,7 @@ def test_points_of_a_box_are_on_its_sides_and_at_its_corners(
     np.testing.assert_allclose(relative.max(axis=1), 1)
     assert len(points) == 508
     assert np.isclose(relative, 1).all(axis=1).sum() == 8
-    # As many on each side as it has of the area.
+    # Each side has its share of the points, by area.
     areas = np.prod(half_size) / np.array(half_size)
     shares = np.isclose(relative[:500], 1).mean(axis=0)
     np.testing.assert_allclose(shares, areas / areas.sum(), atol=0.02)

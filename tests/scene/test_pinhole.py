@@ -3,7 +3,7 @@ from pydrake.common.schema import Transform
 from pydrake.math import RigidTransform, RollPitchYaw
 import pytest
 
-from pbpf_drake.config.scene_config import CameraConfig
+from pbpf_drake.config.camera_config import CameraConfig
 from pbpf_drake.scene.pinhole import (
     clip_segments,
     in_camera,

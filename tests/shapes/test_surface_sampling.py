@@ -1,3 +1,4 @@
+from hull_fixtures import write_hull
 import numpy as np
 from pydrake.geometry import (
     Box,
@@ -140,7 +141,7 @@ MEANS = {
 def test_each_point_is_uniform_over_the_area(name):
     surface = MakeSurface(SHAPES[name])
     rng = np.random.default_rng(0)
-    # Only one point of each small draw, lest the lattice evens errors out.
+    # One point of each draw, as the lattice makes the errors of all cancel.
     points = np.stack([surface.sample(rng, 3)[2] for _ in range(5000)])
     for function, mean in MEANS[name]:
         values = function(points).astype(float)
@@ -201,11 +202,7 @@ def test_points_are_a_function_of_the_generators_state(name):
 
 def test_a_mesh_is_sampled_on_its_scaled_convex_hull(tmp_path):
     path = tmp_path / "hull.obj"
-    vertices = "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS.tolist())
-    faces = "".join(
-        "f {} {} {}\n".format(*(f + 1)) for f in ConvexHull(CORNERS).simplices
-    )
-    path.write_text(vertices + faces)
+    write_hull(path, CORNERS)
     mesh = MakeSurface(Mesh(str(path), 2.0))
     np.testing.assert_allclose(mesh.area, 4 * AREAS["convex"])
 

@@ -10,7 +10,7 @@ from pydrake.geometry import (
 )
 import pytest
 
-from pbpf_drake.shapes.wireframes import shape_edges
+from pbpf_drake.shapes.wireframes import ShapeEdges
 
 
 def _ends(edges):
@@ -23,7 +23,7 @@ def _length(edges):
 
 
 def test_box_has_twelve_edges_along_its_axes():
-    edges = shape_edges(Box(0.2, 0.4, 0.6))
+    edges = ShapeEdges(Box(0.2, 0.4, 0.6))
     assert edges.shape == (12, 2, 3)
     assert {tuple(p) for p in np.abs(_ends(edges))} == {(0.1, 0.2, 0.3)}
     moved = np.abs(edges[:, 1] - edges[:, 0])
@@ -35,7 +35,7 @@ def test_box_has_twelve_edges_along_its_axes():
 
 
 def test_cylinder_has_two_circles_and_sides():
-    edges = shape_edges(Cylinder(0.3, 2.0))
+    edges = ShapeEdges(Cylinder(0.3, 2.0))
     ends = _ends(edges)
     np.testing.assert_allclose(np.hypot(*ends.T[:2]), 0.3)
     np.testing.assert_allclose(np.abs(ends[:, 2]), 1.0)
@@ -49,7 +49,7 @@ def test_cylinder_has_two_circles_and_sides():
     [(Sphere(0.2), [0.2] * 3), (Ellipsoid(0.1, 0.2, 0.3), [0.1, 0.2, 0.3])],
 )
 def test_ellipsoid_has_three_ellipses_on_its_surface(shape, radii):
-    edges = shape_edges(shape)
+    edges = ShapeEdges(shape)
     ends = _ends(edges)
     np.testing.assert_allclose(np.sum((ends / radii) ** 2, axis=1), 1)
     for axis in range(3):
@@ -63,7 +63,7 @@ def test_ellipsoid_has_three_ellipses_on_its_surface(shape, radii):
 
 
 def test_capsule_lies_on_its_surface_and_reaches_both_tips():
-    ends = _ends(shape_edges(Capsule(0.1, 0.5)))
+    ends = _ends(ShapeEdges(Capsule(0.1, 0.5)))
     on_axis = np.clip(ends[:, 2], -0.25, 0.25)
     distances = np.linalg.norm(
         ends - np.stack([0 * on_axis, 0 * on_axis, on_axis], axis=1), axis=1
@@ -81,7 +81,7 @@ def test_mesh_has_the_edges_of_its_box(tmp_path):
         "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
         + "".join(f"f {a} {b} {c}\n" for a, b, c in faces)
     )
-    edges = shape_edges(Mesh(str(path)))
+    edges = ShapeEdges(Mesh(str(path)))
     assert edges.shape == (12, 2, 3)
     # All corners of the mesh are between the box's opposite faces.
     origin = edges[0, 0]
@@ -94,4 +94,4 @@ def test_mesh_has_the_edges_of_its_box(tmp_path):
 
 def test_a_shape_without_a_size_is_refused():
     with pytest.raises(ValueError, match="expected a shape of some size"):
-        shape_edges(HalfSpace())
+        ShapeEdges(HalfSpace())

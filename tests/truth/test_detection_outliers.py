@@ -3,7 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pbpf_drake.config.recording_config import DetectorConfig, Range
+from pbpf_drake.config.detector_config import DetectorConfig
+from pbpf_drake.config.distributions import Range
 from pbpf_drake.truth.detection_outliers import draw_outlier_error
 
 N = 20_000
@@ -30,7 +31,7 @@ def _sizes(errors: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def deep() -> np.ndarray:
-    """Outliers just before nothing is found any more: all are."""
+    """Errors where the object is hardly detected: all are outliers."""
     return _draw(1.0)
 
 

@@ -1,8 +1,8 @@
 """What happens in a run of the paper's scenes.
 
-They are recorded as a whole: the truth's physics, and what its camera sees. Of
-Scenes 1 to 3, which are there with the box and with the can, it is one each
-(Cheezit 1 is recorded in test_compare_detector.py).
+Whole runs are recorded: the truth's physics, and what its camera sees. Scenes 1
+to 3 exist with the box and with the can; here, each is recorded with one of the
+two (Cheezit 1 is recorded in test_compare_detector.py).
 """
 
 import numpy as np

@@ -4,7 +4,7 @@ from pydrake.multibody.plant import MultibodyPlant
 import pytest
 from recording_fixtures import SCENES, joint_rows, make_planar_scene
 
-from pbpf_drake.config.recording_config import PathConfig, Waypoint
+from pbpf_drake.config.path_config import PathConfig, Waypoint
 from pbpf_drake.config.scene_config import LoadScene, Scene
 from pbpf_drake.scene.scene_models import AddSceneModels
 from pbpf_drake.truth.push_path import (

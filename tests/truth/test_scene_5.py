@@ -7,6 +7,7 @@ import numpy as np
 
 from pbpf_drake.config.scene_config import LoadScene
 from pbpf_drake.log.log_reader import ReadLog
+from pbpf_drake.log.log_records import Log
 from pbpf_drake.scene.prediction_model import MakePredictionModel
 from pbpf_drake.scene.scene_models import data_folder
 
@@ -16,6 +17,15 @@ NAMES = ["cracker", "gelatin", "soup"]
 
 def _scene():
     return LoadScene(FOLDER / "scenes" / "cheezit_gelatin_soup.yaml")
+
+
+def _log() -> Log:
+    scene = _scene()
+    return ReadLog(
+        filename=FOLDER / "logs" / "cheezit_gelatin_soup.mcap",
+        scene=scene,
+        joint_names=MakePredictionModel(scene).joint_names,
+    )
 
 
 def test_objects_stand_on_the_table_and_touch_nothing_else():
@@ -43,14 +53,9 @@ def _below(world, body) -> np.ndarray:
 
 def test_each_object_is_pushed_into_the_next_by_the_one_before():
     """The hand moves the box first, the box moves both others."""
-    scene = _scene()
-    log = ReadLog(
-        filename=FOLDER / "logs" / "cheezit_gelatin_soup.mcap",
-        scene=scene,
-        joint_names=MakePredictionModel(scene).joint_names,
-    )
+    log = _log()
     assert log.warnings == ()
-    assert list(log.ground_truth) == NAMES == scene.object_names()
+    assert list(log.ground_truth) == NAMES == _scene().object_names()
     begins = []
     for truth in log.ground_truth.values():
         way = np.linalg.norm(truth.p_WO - truth.p_WO[0], axis=1)
@@ -60,12 +65,7 @@ def test_each_object_is_pushed_into_the_next_by_the_one_before():
 
 
 def test_objects_hide_each_other_later_on():
-    scene = _scene()
-    log = ReadLog(
-        filename=FOLDER / "logs" / "cheezit_gelatin_soup.mcap",
-        scene=scene,
-        joint_names=MakePredictionModel(scene).joint_names,
-    )
+    log = _log()
     last = {d.name: d.time for d in log.detections}
     assert last["soup"] < 0.5 * log.duration
     assert last["gelatin"] < 0.9 * log.duration

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from recording_fixtures import make_planar_scene
 
-from pbpf_drake.config.particle_filter_config import PoseStddev
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.log.mcap_log_writer import WriteLog
 from pbpf_drake.truth.truth_simulation import RecordRun
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from pbpf_drake.config.scene_config import CameraConfig
+from pbpf_drake.config.camera_config import CameraConfig
 from pbpf_drake.views.overlay import draw_edges, plain_image
 
 CAMERA = CameraConfig(width=64, height=48, fx=100, fy=100, cx=32, cy=24)

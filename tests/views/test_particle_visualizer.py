@@ -90,7 +90,7 @@ def test_everything_is_drawn_and_hidden_before_the_first_picture(
             f"truth/{name}/fill/0",
         ):
             assert page.find("set_object", path), path
-        # One ghost has one shape: the label isn't drawn over and over.
+        # A particle is one shape: the label isn't drawn over and over.
         assert not meshcat.HasPath(f"particles/{name}/2/1")
         assert not meshcat.HasPath(f"particles/{name}/3")
         for kind in ("estimate", "particles", "detection", "truth"):

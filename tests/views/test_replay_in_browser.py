@@ -1,4 +1,4 @@
-"""The replay as a browser shows it, where there is one that needs no screen."""
+"""The replay in a browser without a screen; skipped where there is none."""
 
 from pathlib import Path
 import shutil
@@ -33,7 +33,7 @@ _OPTIONS = (
     "--enable-unsafe-swiftshader",
     "--hide-scrollbars",
     "--window-size=640,480",
-    # What the page prints, errors of its scripts among it.
+    # What the page prints, with the errors of its scripts.
     "--enable-logging=stderr",
 )
 # The legend is in this corner: rows from here, columns up to there.

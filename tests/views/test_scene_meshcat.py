@@ -24,7 +24,7 @@ def meshcat():
 
 
 class _PoseCatcher:
-    """Stands where Meshcat would to keep the view that it is given."""
+    """Takes the place of Meshcat, and keeps the view that it is given."""
 
     def __getattr__(self, name):
         return lambda *args, **kwargs: None

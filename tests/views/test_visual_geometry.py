@@ -105,7 +105,7 @@ def test_a_shape_without_a_size_is_named():
 
 
 class _LineCatcher:
-    """Stands where Meshcat would to keep the lines that it is given."""
+    """Takes the place of Meshcat, and keeps the lines that it is given."""
 
     def SetLineSegments(self, path, *, start, end, line_width, rgba):
         self.segments = np.stack([start.T, end.T], axis=1)

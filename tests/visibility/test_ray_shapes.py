@@ -1,3 +1,4 @@
+from hull_fixtures import write_hull
 import numpy as np
 from pydrake.geometry import (
     Box,
@@ -141,11 +142,7 @@ def test_the_bounds_contain_the_shape_and_no_more_than_they_must(name):
 
 def test_a_mesh_is_its_scaled_convex_hull(tmp_path):
     path = tmp_path / "hull.obj"
-    vertices = "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS.tolist())
-    faces = "".join(
-        "f {} {} {}\n".format(*(f + 1)) for f in ConvexHull(CORNERS).simplices
-    )
-    path.write_text(vertices + faces)
+    write_hull(path, CORNERS)
     o, d = _rays()
     expected = MakeRayShape(Convex(2 * CORNERS.T, "corners")).intersect(o, d)
     for shape in (Mesh(str(path), 2.0), Convex(str(path), 2.0)):

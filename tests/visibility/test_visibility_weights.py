@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 from update_fixtures import NOMINAL, FreeMotion, make_config, see
 
-from pbpf_drake.config.particle_filter_config import (
-    PoseStddev,
-    VisibilityConfig,
-)
+from pbpf_drake.config.distributions import PoseStddev
+from pbpf_drake.config.visibility_config import VisibilityConfig
 from pbpf_drake.filtering.filter_state import FilterState, MakeInitialState
 from pbpf_drake.filtering.particle_filter_update import ParticleFilterUpdate
 from pbpf_drake.motion.control_path import ControlPath

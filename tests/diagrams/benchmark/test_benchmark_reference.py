@@ -5,7 +5,9 @@ import pytest
 from recording_fixtures import SCENES
 from sliding_fixtures import GRAVITY, slide
 
-from pbpf_drake.config.particle_filter_config import PhysicalParametersConfig
+from pbpf_drake.config.physical_parameters_config import (
+    PhysicalParametersConfig,
+)
 from pbpf_drake.config.scene_config import LoadScene
 from pbpf_drake.diagrams.benchmark.benchmark_reference import (
     PredictReference,
