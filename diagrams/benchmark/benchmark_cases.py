@@ -22,11 +22,11 @@ from pbpf_drake.diagrams.benchmark.benchmark_peers import (
     RunPeer,
 )
 from pbpf_drake.diagrams.benchmark.benchmark_reference import (
-    Errors,
+    PredictionErrors,
     PredictReference,
     PredictSamples,
     Sample,
-    compare,
+    compare_predictions,
     make_samples,
     pushed_share,
 )
@@ -102,7 +102,7 @@ class Benchmark:
         self._options = options
         self._on_measured = on_measured
         # By engine and K, and by K.
-        self._errors: dict[tuple[str, int], Errors] = {}
+        self._errors: dict[tuple[str, int], PredictionErrors] = {}
         self._references: dict[int, _Reference] = {}
         self.measurements: list[Measurement] = []
         self.speedups: list[float] = []
@@ -163,7 +163,7 @@ class Benchmark:
             for predict in (PredictReference, PredictSamples)
         )
         self._references[case.objects] = _Reference(samples, reference)
-        self._errors[OWN, case.objects] = compare(
+        self._errors[OWN, case.objects] = compare_predictions(
             [result.poses for result in own], reference
         )
         share = pushed_share(samples, reference)
@@ -194,7 +194,7 @@ class Benchmark:
         finally:
             peer.Close()
         if key not in self._errors:
-            self._errors[key] = compare(poses, reference.results)
+            self._errors[key] = compare_predictions(poses, reference.results)
         self._Add(engine, case, {"motion": seconds})
 
     def _Add(

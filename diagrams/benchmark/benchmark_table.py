@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from pbpf_drake.diagrams.benchmark.benchmark_filter import STAGES
-from pbpf_drake.diagrams.benchmark.benchmark_reference import Errors
+from pbpf_drake.diagrams.benchmark.benchmark_reference import PredictionErrors
 
 # The engine that is this project's own.
 OWN = "pbpf"
@@ -33,7 +33,7 @@ class Measurement:
     objects: int
     threads: int
     seconds: dict[str, np.ndarray]
-    errors: Errors
+    errors: PredictionErrors
     bytes_per_particle: float = 0.0
 
     def median(self, stage: str) -> float:

@@ -45,17 +45,7 @@ def RunStoredJobs(
     Returns:
         Results by the job's name, and the jobs that have none.
     """
-    results: dict[str, bytes] = {}
-    missing: dict[str, StoredJob] = {}
-    for stored in stored_jobs:
-        data = store.Load(stored.job.name, stored.key)
-        if data is None:
-            missing[stored.job.name] = stored
-        else:
-            results[stored.job.name] = data
-    for note in store.notes:
-        tqdm.write(note, file=sys.stderr)
-    store.notes.clear()
+    results, missing = _LoadStored(stored_jobs, store)
     failures: list[Failure] = []
     with _make_bar(stored_jobs, missing, title) as bar:
 
@@ -77,6 +67,24 @@ def RunStoredJobs(
             on_failure=on_failure,
         )
     return results, failures
+
+
+def _LoadStored(
+    stored_jobs: Sequence[StoredJob], store: ResultStore
+) -> tuple[dict[str, bytes], dict[str, StoredJob]]:
+    """Returns the results that are stored, and the jobs of all others."""
+    results: dict[str, bytes] = {}
+    missing: dict[str, StoredJob] = {}
+    for stored in stored_jobs:
+        data = store.Load(stored.job.name, stored.key)
+        if data is None:
+            missing[stored.job.name] = stored
+        else:
+            results[stored.job.name] = data
+    for note in store.notes:
+        tqdm.write(note, file=sys.stderr)
+    store.notes.clear()
+    return results, missing
 
 
 def _make_bar(

@@ -21,18 +21,24 @@ from pbpf_drake.log.log_records import Log
 from pbpf_drake.log.mcap_log_writer import WriteLog
 from pbpf_drake.tracking.tracking_diagram import DefaultConfig
 
-METHODS = ("pbpf", "cvpf", "dope")
+# The methods that are compared on pushes, in the order of the tables' columns.
+COMPARED_METHODS = ("pbpf", "cvpf", "dope")
 # What tells the rows of one method apart.
 _IDENTITY = ("run", "blackout", "dropout", "seed")
 
 Row = dict[str, float | str]
 
 
-def PushConfig(scene: Scene, method: str, seed: int) -> ParticleFilterConfig:
+def ConfigForPushes(scene: Scene, method: str, seed: int) -> ParticleFilterConfig:
     """Returns the config of a method for recorded pushes.
 
     PBPF recovers lost tracks in them: people poke the block, and these
     detections have no bias that would look like a lost track.
+
+    Args:
+        scene: with the filter's own config.
+        method: one of COMPARED_METHODS.
+        seed: of the filter.
     """
     config = replace(DefaultConfig(scene, method), seed=seed)
     return replace(config, recover_lost_tracks=method == "pbpf")
