@@ -10,7 +10,7 @@ from pbpf_drake.diagrams.paper.paper_rows import (
 )
 from pbpf_drake.diagrams.paper.paper_statistics import Comparison, compare_means
 from pbpf_drake.diagrams.paper.paper_values import METHOD_TITLES
-from pbpf_drake.diagrams.paper.text_tables import (
+from pbpf_drake.diagrams.tables.text_tables import (
     format_csv,
     format_grid,
     format_number,

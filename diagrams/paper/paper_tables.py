@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pbpf_drake.diagrams.paper.evaluation import METRICS
 from pbpf_drake.diagrams.paper.paper_rows import PaperRow, ratio_to_dope
 from pbpf_drake.diagrams.paper.paper_values import METHOD_TITLES, SCENES
-from pbpf_drake.diagrams.paper.text_tables import (
+from pbpf_drake.diagrams.tables.text_tables import (
     format_csv,
     format_grid,
     format_number,
