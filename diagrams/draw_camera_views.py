@@ -8,7 +8,6 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 import sys
-from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -170,14 +169,14 @@ def _draw_boxes(
     view: CameraView,
     camera: CameraConfig,
     poses: np.ndarray,
-    **style: Any,
+    color: np.ndarray,
 ) -> None:
     for k, pose in enumerate(poses):
         X_WO = rigid_transform(pose)
         p_W = view.BoxEdges(k) @ X_WO.rotation().matrix().T
         p_C = in_camera(p_W + X_WO.translation(), camera)
         for line in project_points(p_C, camera):
-            ax.plot(*line.T, lw=1.5, **style)
+            ax.plot(*line.T, lw=1.5, color=color)
 
 
 def _draw_view(
@@ -194,7 +193,7 @@ def _draw_view(
     for record in records:
         bgr = IMAGE_DETECTION if record.method == "dope" else IMAGE_ESTIMATE
         color = np.flip(bgr) / 255
-        _draw_boxes(ax, view, scene.camera, record.poses[step], color=color)
+        _draw_boxes(ax, view, scene.camera, record.poses[step], color)
     detected = np.all(records[0].detected[step])
     ax.set_title(f"{time:.1f} s, {'' if detected else 'not '}detected")
     ax.set_xlim(-0.5, scene.camera.width - 0.5)

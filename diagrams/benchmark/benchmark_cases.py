@@ -5,7 +5,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 import itertools
 import multiprocessing
-from typing import Any
+from typing import ParamSpec, TypeVar
 
 import numpy as np
 from tqdm import tqdm
@@ -35,6 +35,9 @@ from pbpf_drake.diagrams.benchmark.benchmark_workload import LoadWorkload
 from pbpf_drake.diagrams.benchmark.pybullet_peer import MAX_WORLDS
 from pbpf_drake.motion.motion_model import MotionResult
 from pbpf_drake.scene.prediction_model import MakePredictionModel
+
+Arguments = ParamSpec("Arguments")
+Output = TypeVar("Output")
 
 
 @dataclass(frozen=True)
@@ -240,11 +243,15 @@ def _bar(total: int, title: str) -> tqdm:
     return tqdm(total=total, desc=title, unit="update", leave=False)
 
 
-def _in_new_process(function: Callable, *args: Any) -> Any:
+def _in_new_process(
+    function: Callable[Arguments, Output],
+    *args: Arguments.args,
+    **kwargs: Arguments.kwargs,
+) -> Output:
     """Returns what a function does where nothing was done before.
 
     Memory that was freed would hide what the next case needs.
     """
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as pool:
-        return pool.submit(function, *args).result()
+        return pool.submit(function, *args, **kwargs).result()

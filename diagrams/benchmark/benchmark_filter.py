@@ -96,7 +96,7 @@ class TimedModel:
     """
 
     def __init__(
-        self, model: Any, on_call: Callable[[Call, tuple], None]
+        self, model: Any, on_call: Callable[[Call, tuple[object, ...]], None]
     ) -> None:
         self._model = model
         self._on_call = on_call
@@ -175,7 +175,7 @@ class FilterBenchmark:
                 seconds = split_stages(self._event, self._calls, outputs)
                 yield seconds, self._motion
 
-    def _Note(self, call: Call, arguments: tuple) -> None:
+    def _Note(self, call: Call, arguments: tuple[object, ...]) -> None:
         self._calls.append(call)
         motions = [x for x in arguments if isinstance(x, MotionInput)]
         self._motion = motions[0] if motions else self._motion
@@ -236,7 +236,7 @@ def RunFilter(
 def _make_filter(
     scene: Scene,
     config: ParticleFilterConfig,
-    on_call: Callable[[Call, tuple], None],
+    on_call: Callable[[Call, tuple[object, ...]], None],
     on_update: Callable[[float], None],
 ) -> PhysicsBasedParticleFilter:
     """Makes what MakeParticleFilter makes, with models that are timed."""

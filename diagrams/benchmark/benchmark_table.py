@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -45,7 +44,9 @@ class Measurement:
         return float(1e3 * np.median(self.seconds[stage]))
 
 
-def json_rows(measurements: Iterable[Measurement]) -> list[dict[str, Any]]:
+def json_rows(
+    measurements: Iterable[Measurement],
+) -> list[dict[str, object]]:
     """Returns a row for every stage of every measurement.
 
     The errors are the means over the engine's predictions, in millimeters and

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 import sys
-from typing import Any
 
 from tqdm import tqdm
 
+from pbpf_drake.diagrams.jobs.job_key import JobKey
 from pbpf_drake.diagrams.jobs.job_queue import (
     ExecutorFactory,
     Failure,
@@ -20,8 +20,8 @@ from pbpf_drake.diagrams.jobs.result_store import ResultStore
 class StoredJob:
     """A job that makes bytes, and the key of all that they depend on."""
 
-    job: Job
-    key: Mapping[str, Any]
+    job: Job[bytes]
+    key: JobKey
 
 
 def RunStoredJobs(
@@ -49,12 +49,12 @@ def RunStoredJobs(
     failures: list[Failure] = []
     with _make_bar(stored_jobs, missing, title) as bar:
 
-        def on_done(job: Job, result: bytes) -> None:
+        def on_done(job: Job[bytes], result: bytes) -> None:
             store.Save(job.name, missing[job.name].key, result)
             results[job.name] = result
             _advance(bar, job, len(results), len(stored_jobs))
 
-        def on_failure(job: Job, reason: str) -> None:
+        def on_failure(job: Job[bytes], reason: str) -> None:
             failures.append(Failure(job.name, reason))
             _advance(bar, job, len(results), len(stored_jobs))
 
@@ -105,7 +105,7 @@ def _make_bar(
     )
 
 
-def _advance(bar: tqdm, job: Job | None, done: int, total: int) -> None:
+def _advance(bar: tqdm, job: Job[bytes] | None, done: int, total: int) -> None:
     bar.set_postfix_str(f"{done} of {total}", refresh=job is None)
     if job is not None:
         # The costs' sum differs from their total by rounding.

@@ -99,7 +99,7 @@ def comparisons_csv(
     comparisons: Sequence[tuple[PaperRow, str, str, Comparison]],
 ) -> str:
     """Returns comparisons.csv: a row for each comparison."""
-    table: list[list] = [
+    table: list[Sequence[object]] = [
         [
             *("scene", "object", "method", "other", "metric"),
             *("difference", "difference_low", "difference_high"),

@@ -107,7 +107,7 @@ def _make_row(
     )
 
 
-def _order(key: tuple[str, str, str]) -> tuple:
+def _order(key: tuple[str, str, str]) -> tuple[int, str, int, str, int]:
     """Sorts as the paper does; what it doesn't have comes last."""
     scene, name, method = key
     scenes, names = list(SCENES), list(OBJECT_TITLES)

@@ -95,7 +95,7 @@ def format_metrics(rows: Sequence[PaperRow], *, markdown: bool) -> str:
 
 def paper_csv(rows: Sequence[PaperRow]) -> str:
     """Returns paper_tables.csv; a cell is empty where nothing is known."""
-    table: list[list] = [_PAPER_COLUMNS]
+    table: list[Sequence[object]] = [_PAPER_COLUMNS]
     for row in rows:
         ours = [format_number(x, 6, "") for x in vars(row.ours).values()]
         paper = [format_number(x, 3, "") for x in vars(row.paper).values()]
@@ -107,7 +107,7 @@ def paper_csv(rows: Sequence[PaperRow]) -> str:
 def metrics_csv(rows: Sequence[PaperRow]) -> str:
     """Returns metrics.csv: all METRICS and the areas under the curve."""
     heads = [f"{m}_{part}" for m in METRICS for part in ("mean", "std")]
-    table: list[list] = [
+    table: list[Sequence[object]] = [
         ["scene", "object", "method", *heads, "add_auc", "add_s_auc"]
     ]
     for row in rows:

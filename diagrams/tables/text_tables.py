@@ -51,7 +51,7 @@ def format_grid(grid: Sequence[Sequence[str]], *, markdown: bool) -> str:
     return "\n".join(map(markdown_line, lines))
 
 
-def format_csv(table: Sequence[Sequence]) -> str:
+def format_csv(table: Sequence[Sequence[object]]) -> str:
     """Returns the rows as CSV."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(table)
