@@ -34,7 +34,6 @@ from pbpf_drake.log.joint_log_source import interpolate_joints
 from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.log.log_records import Log
 from pbpf_drake.log.pose_interpolation import interpolate_poses
-from pbpf_drake.palette import IMAGE_DETECTION, IMAGE_ESTIMATE
 from pbpf_drake.poses.pose_conversion import rigid_transform
 from pbpf_drake.results.track_record import TrackRecord
 from pbpf_drake.scene.pinhole import in_camera, project_points
@@ -42,6 +41,7 @@ from pbpf_drake.scene.prediction_model import MakePredictionModel
 from pbpf_drake.scene.scene_models import AddSceneModels, data_folder
 from pbpf_drake.shapes.wireframes import box_edges
 from pbpf_drake.tracking.tracking_diagram import SceneOfLog, Track
+from pbpf_drake.views.overlay import DETECTION_COLOR, ESTIMATE_COLOR
 
 _BACKGROUND = np.array([0.93, 0.94, 0.95])
 # From the camera, and from above.
@@ -191,7 +191,7 @@ def _draw_view(
     ax.imshow(view.Render(q, _true_poses(scene, log, time)))
     step = int(np.argmin(np.abs(records[0].times - time)))
     for record in records:
-        bgr = IMAGE_DETECTION if record.method == "dope" else IMAGE_ESTIMATE
+        bgr = DETECTION_COLOR if record.method == "dope" else ESTIMATE_COLOR
         color = np.flip(bgr) / 255
         _draw_boxes(ax, view, scene.camera, record.poses[step], color)
     detected = np.all(records[0].detected[step])

@@ -21,8 +21,12 @@ from matplotlib.patches import Patch
 import numpy as np
 
 from pbpf_drake.log.log_records import PoseRecord
-from pbpf_drake.palette import PLOT_HIDDEN
-from pbpf_drake.results.plot_style import decorate, shade_hidden, style_of
+from pbpf_drake.results.plot_style import (
+    HIDDEN_COLOR,
+    decorate,
+    shade_hidden,
+    style_of,
+)
 from pbpf_drake.results.pose_errors import (
     compute_errors,
     position_stddev,
@@ -163,7 +167,7 @@ def _add_legend(figure: Figure, records: Sequence[TrackRecord]) -> None:
             band = Patch(fc=to_rgba(color, 0.15), ec=color, lw=0.7)
             band.set_label("2σ of the particles")
     handles += [band] if band else []
-    handles.append(Patch(color=PLOT_HIDDEN, lw=0, label="no detection"))
+    handles.append(Patch(color=HIDDEN_COLOR, lw=0, label="no detection"))
     figure.legend(
         handles=handles,
         loc="outside upper center",

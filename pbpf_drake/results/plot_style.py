@@ -3,19 +3,33 @@
 from matplotlib.axes import Axes
 import numpy as np
 
-from pbpf_drake.palette import (
-    METHOD_LINES,
-    OTHER_LINE,
-    PLOT_GRID,
-    PLOT_HIDDEN,
-    LineStyle,
-)
 from pbpf_drake.results.track_record import TrackRecord
+
+# Of a line: its color, and its dashes as matplotlib has them.
+LineStyle = tuple[str, str | tuple[float, tuple[float, ...]]]
+
+# By method. The colors are from Okabe and Ito's palette, made for the color-blind
+# as well; the estimate is green and the detector yellow, as in
+# the replay.
+_METHOD_LINES: dict[str, LineStyle] = {
+    "dope": ("#E69F00", (0, (5, 1.5))),
+    "cvpf": ("#D55E00", (0, (1, 1))),
+    "pbpf": ("#009E73", "solid"),
+    "pbpf-v": ("#0072B2", "solid"),
+}
+_OTHER_LINE: LineStyle = ("#CC79A7", "solid")
+# The error, where a plot has one method only.
+ERROR_COLOR = "#222222"
+# What was known before: θ as it was drawn.
+PRIOR_COLOR = "#777777"
+# Spans of time without a detection.
+HIDDEN_COLOR = "#E4E4E4"
+_GRID_COLOR = "#CCCCCC"
 
 
 def style_of(method: str) -> LineStyle:
     """Returns the color and the dashes of a method's lines."""
-    return METHOD_LINES.get(method, OTHER_LINE)
+    return _METHOD_LINES.get(method, _OTHER_LINE)
 
 
 def shade_hidden(ax: Axes, record: TrackRecord, name: str) -> None:
@@ -25,13 +39,13 @@ def shade_hidden(ax: Axes, record: TrackRecord, name: str) -> None:
     starts = np.r_[0.0, record.times]
     for first, end in edges.reshape(-1, 2):
         ax.axvspan(
-            starts[first], record.times[end - 1], color=PLOT_HIDDEN, lw=0
+            starts[first], record.times[end - 1], color=HIDDEN_COLOR, lw=0
         )
 
 
 def draw_grid(ax: Axes) -> None:
     """Draws a grid, and no frame above and to the right."""
-    ax.grid(True, color=PLOT_GRID, lw=0.5)
+    ax.grid(True, color=_GRID_COLOR, lw=0.5)
     ax.spines[["top", "right"]].set_visible(False)
 
 

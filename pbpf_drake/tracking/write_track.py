@@ -10,17 +10,18 @@ from pbpf_drake.dope_measurement import Detection
 from pbpf_drake.log.dope_log_source import DopeLogSource
 from pbpf_drake.log.joint_log_source import interpolate_joints
 from pbpf_drake.log.log_records import Log
-from pbpf_drake.palette import (
-    IMAGE_DETECTION,
-    IMAGE_ESTIMATE,
-    IMAGE_SURROUNDINGS,
-)
 from pbpf_drake.poses.pose_conversion import rigid_transform
 from pbpf_drake.results.track_record import TrackRecord
 from pbpf_drake.scene.prediction_model import MakePredictionModel
 from pbpf_drake.scene.scene_wireframes import SceneWireframes
 from pbpf_drake.tracking.tracking_diagram import SceneOfLog
-from pbpf_drake.views.overlay import draw_edges, plain_image
+from pbpf_drake.views.overlay import (
+    DETECTION_COLOR,
+    ESTIMATE_COLOR,
+    SURROUNDINGS_COLOR,
+    draw_edges,
+    plain_image,
+)
 from pbpf_drake.views.overlay_video import OverlayVideo
 from pbpf_drake.views.track_mcap import TrackMcap
 
@@ -137,7 +138,7 @@ class _Painter:
         if image is None:
             painted = plain_image(self._camera)
             edges = self._wireframes.SurroundingEdges(q)
-            self._Draw(painted, edges, IMAGE_SURROUNDINGS, 1)
+            self._Draw(painted, edges, SURROUNDINGS_COLOR, 1)
         else:
             painted = image.copy()
         record = self._record
@@ -145,12 +146,12 @@ class _Painter:
             if name in seen:
                 edges = self._wireframes.ObjectEdges(k, seen[name].X_WO)
                 width = 2 if record.detected[i, k] else 1
-                self._Draw(painted, edges, IMAGE_DETECTION, width)
+                self._Draw(painted, edges, DETECTION_COLOR, width)
         for k in range(len(record.object_names)):
             if record.tracked[i, k]:
                 X_WO = rigid_transform(record.poses[i, k])
                 edges = self._wireframes.ObjectEdges(k, X_WO)
-                self._Draw(painted, edges, IMAGE_ESTIMATE, 2)
+                self._Draw(painted, edges, ESTIMATE_COLOR, 2)
         return painted
 
     def _Draw(

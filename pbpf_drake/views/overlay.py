@@ -9,16 +9,19 @@ import cv2
 import numpy as np
 
 from pbpf_drake.config.scene_config import CameraConfig
-from pbpf_drake.palette import IMAGE_BACKGROUND
 from pbpf_drake.scene.pinhole import project_segments
 
+ESTIMATE_COLOR = (90, 224, 25)
+DETECTION_COLOR = (0, 213, 255)
+SURROUNDINGS_COLOR = (110, 110, 110)
+BACKGROUND_COLOR = (40, 40, 40)
 # Coordinates of lines are given in steps of 1/16 of a pixel.
 _SHIFT = 4
 
 
 def plain_image(camera: CameraConfig) -> np.ndarray:
     """Returns an image of nothing."""
-    return np.full((camera.height, camera.width, 3), IMAGE_BACKGROUND, np.uint8)
+    return np.full((camera.height, camera.width, 3), BACKGROUND_COLOR, np.uint8)
 
 
 def draw_edges(

@@ -22,15 +22,9 @@ from pydrake.geometry import (
 )
 from pydrake.math import RigidTransform
 
-from pbpf_drake.palette import (
-    MESHCAT_DETECTION,
-    MESHCAT_ESTIMATE,
-    MESHCAT_TRUTH,
-)
-
-ESTIMATE_COLOR = Rgba(*MESHCAT_ESTIMATE)
-DETECTION_COLOR = Rgba(*MESHCAT_DETECTION)
-TRUTH_COLOR = Rgba(*MESHCAT_TRUTH)
+ESTIMATE_COLOR = Rgba(0.1, 0.75, 0.3)
+DETECTION_COLOR = Rgba(1.0, 0.8, 0.0)
+TRUTH_COLOR = Rgba(0.1, 0.3, 1.0)
 
 # What is covered up to this (in meters) is painted on, not a part.
 _PAINT = 1e-3
