@@ -174,22 +174,20 @@ def make_table(rows: Sequence[Row]) -> Iterator[str]:
             yield summarize(_KINDS[kind], noise, chosen)
 
 
-_EVALUATION = PushEvaluation(
-    name="evaluate_dropouts",
-    description=__doc__,
-    recordings="CSV files",
-    pattern="**/*.csv",
-    seeds=3,
-    out="dropouts.csv",
-    make_jobs=make_jobs,
-    evaluate=evaluate,
-    table=make_table,
-)
-
-
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    return RunEvaluation(_EVALUATION, argv)
+    evaluation = PushEvaluation(
+        name="evaluate_dropouts",
+        make_jobs=make_jobs,
+        evaluate=evaluate,
+        make_table=make_table,
+        description=__doc__,
+        recordings="CSV files",
+        pattern="**/*.csv",
+        seeds=3,
+        out="dropouts.csv",
+    )
+    return RunEvaluation(evaluation, argv)
 
 
 if __name__ == "__main__":

@@ -197,22 +197,20 @@ def make_table(rows: Sequence[Row]) -> Iterator[str]:
         yield summarize(run, blackout, chosen)
 
 
-_EVALUATION = PushEvaluation(
-    name="evaluate_push_bags",
-    description=__doc__,
-    recordings="bags",
-    pattern="*.bag",
-    seeds=10,
-    out="push_bags.csv",
-    make_jobs=make_jobs,
-    evaluate=evaluate,
-    table=make_table,
-)
-
-
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    return RunEvaluation(_EVALUATION, argv)
+    evaluation = PushEvaluation(
+        name="evaluate_push_bags",
+        make_jobs=make_jobs,
+        evaluate=evaluate,
+        make_table=make_table,
+        description=__doc__,
+        recordings="bags",
+        pattern="*.bag",
+        seeds=10,
+        out="push_bags.csv",
+    )
+    return RunEvaluation(evaluation, argv)
 
 
 if __name__ == "__main__":

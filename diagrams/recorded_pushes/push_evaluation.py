@@ -41,7 +41,7 @@ class PushEvaluation(Generic[Job]):
             seeds.
         evaluate: computes one row; a function of a module, as it is called in
             another process.
-        table: yields the lines that sum all rows up.
+        make_table: yields the lines that sum all rows up.
     """
 
     name: str
@@ -52,7 +52,7 @@ class PushEvaluation(Generic[Job]):
     out: str
     make_jobs: Callable[[Sequence[Path], int], Iterable[Job]]
     evaluate: Callable[[Job], Row]
-    table: Callable[[Sequence[Row]], Iterator[str]]
+    make_table: Callable[[Sequence[Row]], Iterator[str]]
 
 
 def RunEvaluation(
@@ -87,7 +87,7 @@ def _run(evaluation: PushEvaluation[Job], args: argparse.Namespace) -> None:
     with LocalExecutor(args.jobs) as executor:
         found = executor.map(evaluation.evaluate, jobs)
         rows = list(tqdm(found, total=len(jobs), unit="track"))
-    for line in evaluation.table(rows):
+    for line in evaluation.make_table(rows):
         print(line)
     WriteRows(args.out, rows)
 

@@ -28,7 +28,7 @@ EVALUATION = PushEvaluation(
         files, range(num_seeds)
     ),
     evaluate=file_and_seed,
-    table=lambda rows: iter(["| rows |", f"| {len(rows)} |"]),
+    make_table=lambda rows: iter(["| rows |", f"| {len(rows)} |"]),
 )
 
 
