@@ -30,6 +30,8 @@ from pbpf_drake.tracking.tracking_diagram import DefaultConfig, Track
 
 _ERRORS = ("position_error_m", "rotation_error_rad")
 _COLUMNS = ("object", "method", "seed", *_ERRORS)
+# What _COLUMNS has.
+_Row = tuple[str, str, int, float | None, float | None]
 _MEANS = ("position [m]", "sd", "/ dope", "rotation [rad]", "sd", "/ dope")
 
 
@@ -76,19 +78,21 @@ def _track_all(args: argparse.Namespace) -> list[dict[str, Any]]:
         return [future.result() for future in futures]
 
 
-def _rows(runs: Sequence[Mapping]) -> list[tuple]:
+def _rows(runs: Sequence[Mapping[str, Any]]) -> list[_Row]:
     """Returns _COLUMNS of each run and object; None is unknown."""
-    return [
-        (name, run["method"], run["seed"], *(o[e]["mean"] for e in _ERRORS))
-        for run in runs
-        for name, o in run["objects"].items()
-    ]
+    rows: list[_Row] = []
+    for run in runs:
+        for name, errors in run["objects"].items():
+            position, rotation = (errors[e]["mean"] for e in _ERRORS)
+            rows.append((name, run["method"], run["seed"], position, rotation))
+    return rows
 
 
-def _table(rows: Sequence[tuple]) -> str:
+def _table(rows: Sequence[_Row]) -> str:
     """Returns a line per object and method; - where a number is unknown."""
-    names, methods = (dict.fromkeys(row[i] for row in rows) for i in (0, 1))
-    lines = [("object", "method", "runs", *_MEANS)]
+    names = dict.fromkeys(row[0] for row in rows)
+    methods = dict.fromkeys(row[1] for row in rows)
+    lines: list[tuple[str, ...]] = [("object", "method", "runs", *_MEANS)]
     for name, method in itertools.product(names, methods):
         means, dope = (
             np.array([row[3:] for row in rows if row[:2] == (name, m)], float)

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 import numpy as np
 
 from pbpf_drake.config.scene_config import LoadScene, Scene
-from pbpf_drake.diagrams.draw_camera_views import CameraView
 from pbpf_drake.diagrams.jobs.run_command import RunCommand
+from pbpf_drake.diagrams.pictures.camera_view import CameraView
 from pbpf_drake.log.joint_log_source import interpolate_joints
 from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.log.log_records import Log

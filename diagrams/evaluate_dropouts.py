@@ -11,7 +11,7 @@ The recordings are those of robinzhoucmu/PlanarManipulationToolBox, one CSV file
 each; see two_finger_log.py for their columns.
 """
 
-import argparse
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 import itertools
@@ -22,16 +22,18 @@ import numpy as np
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.scene_config import LoadScene, Scene
+from pbpf_drake.diagrams.jobs.scene_run import scene_path
 from pbpf_drake.diagrams.recorded_pushes.push_evaluation import (
-    METHODS,
-    EvaluateAll,
-    PushConfig,
-    Row,
+    COMPARED_METHODS,
+    ConfigForPushes,
+    PushEvaluation,
     RunEvaluation,
     ThroughMcap,
-    WriteRows,
+)
+from pbpf_drake.diagrams.recorded_pushes.push_rows import (
+    Row,
+    choose,
     column,
-    spread,
 )
 from pbpf_drake.diagrams.recorded_pushes.two_finger_log import (
     ReadTwoFingerPush,
@@ -39,11 +41,14 @@ from pbpf_drake.diagrams.recorded_pushes.two_finger_log import (
     find_dropouts,
     was_lifted,
 )
+from pbpf_drake.diagrams.tables.text_tables import (
+    format_quantiles,
+    markdown_line,
+)
 from pbpf_drake.log.log_records import Log
 from pbpf_drake.log.pose_interpolation import interpolate_poses
 from pbpf_drake.results.pose_errors import position_error, rotation_error
 from pbpf_drake.scene.prediction_model import MakePredictionModel
-from pbpf_drake.scene.scene_models import data_folder
 from pbpf_drake.tracking.tracking_diagram import Track
 
 # Longer than the period: without a detection at one update at least.
@@ -57,12 +62,13 @@ _KINDS = {
 _LONG = 0.4
 _NOISES = ("paper", "camera")
 
+# A recording, which of its dropouts, whose noise, a seed, and a method.
+Job = tuple[Path, int, str, int, str]
+
 
 @cache
 def _scene() -> Scene:
-    return LoadScene(
-        data_folder("diagrams") / "scenes" / "two_finger_push.yaml"
-    )
+    return LoadScene(scene_path("two_finger_push"))
 
 
 @cache
@@ -82,7 +88,7 @@ def choose_config(
     scene: Scene, noise: str, method: str, seed: int
 ) -> ParticleFilterConfig:
     """Returns a method's config, with the noise of "paper" or of "camera"."""
-    config = PushConfig(scene, method, seed)
+    config = ConfigForPushes(scene, method, seed)
     if noise == "camera":
         return config
     paper = ParticleFilterConfig()
@@ -93,7 +99,7 @@ def choose_config(
     )
 
 
-def evaluate(job: tuple[Path, int, str, int, str]) -> Row:
+def evaluate(job: Job) -> Row:
     """Tracks one run up to the end of one dropout; returns a row of results.
 
     ``moved_m`` and ``moved_rad`` is how far the block got in the dropout,
@@ -132,9 +138,11 @@ _HEADER = """\
 |---|---|---|---|---|---|---|---|---|---|---|---|"""
 
 
-def summarize(title: str, noise: str, rows: list[dict]) -> str:
+def summarize(title: str, noise: str, rows: Sequence[Row]) -> str:
     """Returns a line of a Markdown table: medians, 90th percentiles."""
     number = len({(row["run"], row["dropout"]) for row in rows})
+    shift = {m: 1e3 * column(rows, m, "error_m") for m in COMPARED_METHODS}
+    turn = {m: column(rows, m, "error_rad") for m in COMPARED_METHODS}
     cells = [
         title,
         noise,
@@ -142,47 +150,44 @@ def summarize(title: str, noise: str, rows: list[dict]) -> str:
         f"{np.median(column(rows, 'dope', 'length_s')):.2f}",
         f"{1e3 * np.median(column(rows, 'dope', 'moved_m')):.1f}",
         f"{np.median(column(rows, 'dope', 'moved_rad')):.2f}",
-        *(spread(1e3 * column(rows, m, "error_m"), 1) for m in METHODS),
-        *(spread(column(rows, m, "error_rad"), 2) for m in METHODS),
+        *(format_quantiles(x, 1) for x in shift.values()),
+        *(format_quantiles(x, 2) for x in turn.values()),
     ]
-    return "| " + " | ".join(cells) + " |"
+    return markdown_line(cells)
 
 
-def run(args: argparse.Namespace) -> None:
-    """Evaluates all runs in a folder; prints a table, writes all rows."""
-    files = sorted(args.data.rglob("*.csv"))
-    if not files:
-        raise ValueError(f"there are no CSV files in {args.data}")
+def make_jobs(files: Sequence[Path], num_seeds: int) -> Iterator[Job]:
+    """Yields what to evaluate: each dropout, noise, seed and method."""
     dropouts = [(f, i) for f in files for i in range(len(_dropouts(_read(f))))]
-    if not dropouts:
-        raise ValueError(f"nothing in {args.data} drops out")
-    jobs = [
-        (*dropout, *rest)
-        for dropout, *rest in itertools.product(
-            dropouts, _NOISES, range(args.seeds), METHODS
-        )
-    ]
-    rows = EvaluateAll(evaluate, jobs, num_processes=args.jobs)
-    print("At the first detection after a dropout: median / 90th percentile")
-    print(_HEADER)
+    for (file, index), noise, seed, method in itertools.product(
+        dropouts, _NOISES, range(num_seeds), COMPARED_METHODS
+    ):
+        yield file, index, noise, seed, method
+
+
+def make_table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yields the lines of a table: one for each kind of dropout and noise."""
+    yield "At the first detection after a dropout: median / 90th percentile"
+    yield _HEADER
     for kind, noise in itertools.product(_KINDS, _NOISES):
-        chosen = [r for r in rows if (r["kind"], r["noise"]) == (kind, noise)]
-        if chosen:
-            print(summarize(_KINDS[kind], noise, chosen))
-    WriteRows(args.out, rows)
+        if chosen := choose(rows, kind=kind, noise=noise):
+            yield summarize(_KINDS[kind], noise, chosen)
 
 
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    return RunEvaluation(
-        argv,
-        run,
+    evaluation = PushEvaluation(
         name="evaluate_dropouts",
+        make_jobs=make_jobs,
+        evaluate=evaluate,
+        make_table=make_table,
         description=__doc__,
-        data="CSV files",
+        recordings="CSV files",
+        pattern="**/*.csv",
         seeds=3,
         out="dropouts.csv",
     )
+    return RunEvaluation(evaluation, argv)
 
 
 if __name__ == "__main__":

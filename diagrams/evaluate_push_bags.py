@@ -12,7 +12,7 @@ is one run for each of three blackouts, every seed and every method:
 The bags are those of mcubelab/cpush.
 """
 
-import argparse
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 import itertools
@@ -22,41 +22,50 @@ import sys
 import numpy as np
 
 from pbpf_drake.config.scene_config import LoadScene, Scene
+from pbpf_drake.diagrams.jobs.scene_run import scene_path
 from pbpf_drake.diagrams.recorded_pushes.planar_push_log import (
     SimulateDetections,
 )
 from pbpf_drake.diagrams.recorded_pushes.push_evaluation import (
-    METHODS,
-    EvaluateAll,
-    PushConfig,
-    Row,
+    COMPARED_METHODS,
+    ConfigForPushes,
+    PushEvaluation,
     RunEvaluation,
-    WriteRows,
+)
+from pbpf_drake.diagrams.recorded_pushes.push_rows import (
+    Row,
+    choose,
     column,
-    spread,
+    distinct,
+)
+from pbpf_drake.diagrams.tables.text_tables import (
+    format_quantiles,
+    markdown_line,
 )
 from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.log.log_records import Log
 from pbpf_drake.log.pose_interpolation import interpolate_poses
 from pbpf_drake.poses.quaternions import conjugate, rotate
 from pbpf_drake.results.pose_errors import compute_errors
-from pbpf_drake.scene.scene_models import data_folder
 from pbpf_drake.tracking.tracking_diagram import Track
 
 _BLACKOUTS = ("contact", "earlier", "slip")
+# Of a blackout (in seconds).
 _LENGTH = 0.5
 _JOINTS = ("pusher_x", "pusher_y")
-# Of the block's sides, and from the probe's axis to them in contact: its radius
-# and what calibration and the delay of motion capture make of it (in meters).
+# Half the length of the block's sides (in meters).
 _HALF_SIDE = 0.049475
+# How far the probe's axis is from a side in contact: the probe's radius, and
+# the error of calibration and of the motion capture's delay (in meters).
 _TOUCH = 0.004745 + 0.002
+
+# A bag, the name of a blackout, a seed, and a method.
+Job = tuple[Path, str, int, str]
 
 
 @cache
 def _scene() -> Scene:
-    return LoadScene(
-        data_folder("diagrams") / "scenes" / "planar_push_bag.yaml"
-    )
+    return LoadScene(scene_path("planar_push_bag"))
 
 
 def contact_interval(log: Log, name: str) -> tuple[float, float]:
@@ -93,7 +102,7 @@ def choose_blackout(
     return end - _LENGTH, end
 
 
-def evaluate(job: tuple[Path, str, int, str]) -> Row:
+def evaluate(job: Job) -> Row:
     """Tracks one run; returns a row of results.
 
     Errors are in meters and radians: at the blackout's end, and their means
@@ -104,7 +113,7 @@ def evaluate(job: tuple[Path, str, int, str]) -> Row:
     (name,) = scene.object_names()
     log = ReadLog(filename=filename, scene=scene, joint_names=_JOINTS)
     truth = log.ground_truth[name]
-    config = PushConfig(scene, method, seed)
+    config = ConfigForPushes(scene, method, seed)
     start, slip = contact_interval(log, name)
     blackout = choose_blackout(which, slip, config.period)
     detections = SimulateDetections(
@@ -146,9 +155,9 @@ _HEADER = """\
 |---|---|---|---|---|---|---|---|---|---|---|---|"""
 
 
-def summarize(run: str, blackout: str, rows: list[dict]) -> str:
+def summarize(run: str, blackout: str, rows: Sequence[Row]) -> str:
     """Returns a line of a Markdown table: medians, 90th percentiles."""
-    end = {m: 1e3 * column(rows, m, "end_m") for m in METHODS}
+    end = {m: 1e3 * column(rows, m, "end_m") for m in COMPARED_METHODS}
     turn = {m: column(rows, m, "end_rad") for m in ("pbpf", "dope")}
     around = [
         " / ".join(
@@ -162,46 +171,46 @@ def summarize(run: str, blackout: str, rows: list[dict]) -> str:
         run,
         blackout,
         f"{1e3 * np.median(column(rows, 'pbpf', 'moved_m')):.0f}",
-        *(spread(end[m], 0) for m in METHODS),
+        *(format_quantiles(end[m], 0) for m in COMPARED_METHODS),
         f"{np.median(end['pbpf'] / end['dope']):.2f}",
         f"{100 * share:.0f} %",
-        *(spread(x, 2) for x in turn.values()),
+        *(format_quantiles(x, 2) for x in turn.values()),
         *around,
     ]
-    return "| " + " | ".join(cells) + " |"
+    return markdown_line(cells)
 
 
-def run(args: argparse.Namespace) -> None:
-    """Evaluates all bags in a folder; prints a table, writes all rows."""
-    files = sorted(args.data.glob("*.bag"))
-    if not files:
-        raise ValueError(f"there are no bags in {args.data}")
-    jobs = itertools.product(files, _BLACKOUTS, range(args.seeds), METHODS)
-    rows = EvaluateAll(evaluate, jobs, num_processes=args.jobs)
-    print("At the end of the blackout: median / 90th percentile over seeds.")
-    print("Before and after the slip: means, of PBPF / hold")
-    print(_HEADER)
-    for path, which in itertools.product(files, _BLACKOUTS):
-        chosen = [
-            row
-            for row in rows
-            if (row["run"], row["blackout"]) == (path.stem, which)
-        ]
-        print(summarize(path.stem, which, chosen))
-    WriteRows(args.out, rows)
+def make_jobs(files: Sequence[Path], num_seeds: int) -> Iterator[Job]:
+    """Yields what to evaluate: each bag, blackout, seed and method."""
+    yield from itertools.product(
+        files, _BLACKOUTS, range(num_seeds), COMPARED_METHODS
+    )
+
+
+def make_table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yields the lines of a table: one for each run and blackout."""
+    yield "At the end of the blackout: median / 90th percentile over seeds."
+    yield "Before and after the slip: means, of PBPF / hold"
+    yield _HEADER
+    for run, blackout in itertools.product(distinct(rows, "run"), _BLACKOUTS):
+        chosen = choose(rows, run=run, blackout=blackout)
+        yield summarize(run, blackout, chosen)
 
 
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    return RunEvaluation(
-        argv,
-        run,
+    evaluation = PushEvaluation(
         name="evaluate_push_bags",
+        make_jobs=make_jobs,
+        evaluate=evaluate,
+        make_table=make_table,
         description=__doc__,
-        data="bags",
+        recordings="bags",
+        pattern="*.bag",
         seeds=10,
         out="push_bags.csv",
     )
+    return RunEvaluation(evaluation, argv)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ The runs are those of mcubelab/cpush, one CSV file each; see
 planar_push_log.py for their columns.
 """
 
-import argparse
+from collections.abc import Iterator, Sequence
 import itertools
 from pathlib import Path
 import sys
@@ -16,24 +16,33 @@ import sys
 import numpy as np
 
 from pbpf_drake.config.scene_config import LoadScene
+from pbpf_drake.diagrams.jobs.scene_run import scene_path
 from pbpf_drake.diagrams.recorded_pushes.planar_push_log import ReadPlanarPush
 from pbpf_drake.diagrams.recorded_pushes.push_evaluation import (
-    METHODS,
-    EvaluateAll,
-    PushConfig,
-    Row,
+    COMPARED_METHODS,
+    ConfigForPushes,
+    PushEvaluation,
     RunEvaluation,
     ThroughMcap,
-    WriteRows,
+)
+from pbpf_drake.diagrams.recorded_pushes.push_rows import (
+    Row,
+    choose,
     column,
-    spread,
+    distinct,
+)
+from pbpf_drake.diagrams.tables.text_tables import (
+    format_quantiles,
+    markdown_line,
 )
 from pbpf_drake.results.pose_errors import compute_errors
-from pbpf_drake.scene.scene_models import data_folder
 from pbpf_drake.tracking.tracking_diagram import Track
 
+# When nothing is detected, in shares of a run.
 _BLACKOUT = (0.4, 0.8)
+# The block is found again when the error is below this (in meters).
 _RECOVERED = 0.03
+# Of the block's height (in meters).
 _HALF_HEIGHT = 0.0065
 # Neither poked nor frozen during the blackout.
 _CLEAN = (
@@ -43,15 +52,18 @@ _CLEAN = (
     "StraightLine_2016_10_23_StraightLineOpenLoop",
 )
 
+# A recording, a seed, and a method.
+Job = tuple[Path, int, str]
 
-def evaluate(job: tuple[Path, int, str]) -> Row:
+
+def evaluate(job: Job) -> Row:
     """Tracks one run with one seed and method; returns a row of results.
 
     Errors are in meters and radians, ``recovery_s`` is the time from the end
     of the blackout until the error is below 30 mm.
     """
     filename, seed, method = job
-    scene = LoadScene(data_folder("diagrams") / "scenes" / "planar_push.yaml")
+    scene = LoadScene(scene_path("planar_push"))
     (name,) = scene.object_names()
     log = ReadPlanarPush(
         filename,
@@ -62,7 +74,7 @@ def evaluate(job: tuple[Path, int, str]) -> Row:
         blackout=_BLACKOUT,
     )
     log = ThroughMcap(log, scene)
-    config = PushConfig(scene, method, seed)
+    config = ConfigForPushes(scene, method, seed)
     record = Track(scene=scene, log=log, method=method, config=config)
     errors = compute_errors(record, name, log.ground_truth[name])
     start, end = (share * log.duration for share in _BLACKOUT)
@@ -86,24 +98,24 @@ def evaluate(job: tuple[Path, int, str]) -> Row:
     }
 
 
-def summarize(title: str, rows: list[dict]) -> str:
+def summarize(title: str, rows: Sequence[Row]) -> str:
     """Returns a line of a Markdown table: medians, 90th percentiles."""
-    end = {m: 1e3 * column(rows, m, "end_m") for m in METHODS}
+    end = {m: 1e3 * column(rows, m, "end_m") for m in COMPARED_METHODS}
     yaw = column(rows, "pbpf", "end_rad")
     share = np.mean(end["pbpf"] <= 0.25 * end["dope"])
     recovery = column(rows, "pbpf", "recovery_s")
     cells = [
         title,
-        *(spread(end[m], 0) for m in METHODS),
+        *(format_quantiles(end[m], 0) for m in COMPARED_METHODS),
         f"{np.median(end['pbpf'] / end['dope']):.2f}",
         f"{np.median(end['pbpf'] / end['cvpf']):.2f}",
         f"{100 * share:.0f} %",
-        spread(yaw, 2),
+        format_quantiles(yaw, 2),
         f"{1e3 * np.nanmax(column(rows, 'pbpf', 'after_1s_m')):.0f}",
         f"{np.nanmedian(recovery):.2f} / {np.nanmax(recovery):.2f}"
         + (" (some never)" if np.any(np.isnan(recovery)) else ""),
     ]
-    return "| " + " | ".join(cells) + " |"
+    return markdown_line(cells)
 
 
 _HEADER = """\
@@ -112,36 +124,36 @@ _HEADER = """\
 |---|---|---|---|---|---|---|---|---|---|"""
 
 
-def run(args: argparse.Namespace) -> None:
-    """Evaluates all runs in a folder; prints tables, writes all rows."""
-    files = sorted(args.data.glob("*.csv"))
-    if not files:
-        raise ValueError(f"there are no CSV files in {args.data}")
-    jobs = itertools.product(files, range(args.seeds), METHODS)
-    rows = EvaluateAll(evaluate, jobs, num_processes=args.jobs)
-    print("At the end of the blackout: median / 90th percentile over seeds")
-    print(_HEADER)
-    for path in files:
-        of_run = [row for row in rows if row["run"] == path.stem]
-        print(summarize(path.stem, of_run))
-    clean = [row for row in rows if row["run"] in _CLEAN]
-    if clean:
-        print(summarize("**clean runs**", clean))
-    print(summarize("**all runs**", rows))
-    WriteRows(args.out, rows)
+def make_jobs(files: Sequence[Path], num_seeds: int) -> Iterator[Job]:
+    """Yields what to evaluate: each run, seed and method."""
+    yield from itertools.product(files, range(num_seeds), COMPARED_METHODS)
+
+
+def make_table(rows: Sequence[Row]) -> Iterator[str]:
+    """Yields the lines of a table: one for each run, and for all of them."""
+    yield "At the end of the blackout: median / 90th percentile over seeds"
+    yield _HEADER
+    for run in distinct(rows, "run"):
+        yield summarize(run, choose(rows, run=run))
+    if clean := [row for row in rows if row["run"] in _CLEAN]:
+        yield summarize("**clean runs**", clean)
+    yield summarize("**all runs**", rows)
 
 
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
-    return RunEvaluation(
-        argv,
-        run,
+    evaluation = PushEvaluation(
         name="evaluate_pushes",
+        make_jobs=make_jobs,
+        evaluate=evaluate,
+        make_table=make_table,
         description=__doc__,
-        data="CSV files",
+        recordings="CSV files",
+        pattern="*.csv",
         seeds=5,
         out="real_pushes.csv",
     )
+    return RunEvaluation(evaluation, argv)
 
 
 if __name__ == "__main__":

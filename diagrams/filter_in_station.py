@@ -9,30 +9,23 @@ The station here plays the log that comes with pbpf_drake; main() tracks it in
 both ways, which give the same.
 """
 
-from dataclasses import dataclass, replace
 import sys
 
-import numpy as np
-from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.scene_config import LoadScene, Scene
-from pbpf_drake.dope_measurement import DopeMeasurement
-from pbpf_drake.filtering.add_particle_filter import (
-    AddParticleFilter,
-    MakeParticleFilter,
-)
-from pbpf_drake.filtering.late_updates import LateUpdates
+from pbpf_drake.connect_ports import ConnectByName
+from pbpf_drake.filtering.add_particle_filter import AddParticleFilter
+from pbpf_drake.filtering.live_filter import LiveFilter, Reading
 from pbpf_drake.filtering.particle_filter import PhysicsBasedParticleFilter
-from pbpf_drake.log.dope_log_source import DopeLogSource
-from pbpf_drake.log.joint_log_source import JointLogSource
 from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.log.log_records import Log
 from pbpf_drake.scene.prediction_model import MakePredictionModel
 from pbpf_drake.scene.scene_models import data_folder
+from pbpf_drake.tracking.add_log_sources import AddLogSources
 
 # The ports of the station.
 POSITIONS = "panda.position_measured"
@@ -42,12 +35,9 @@ DETECTIONS = "camera.detections"
 def MakeStation(scene: Scene, log: Log) -> Diagram:
     """Returns a station of which only its two ports are known."""
     builder = DiagramBuilder()
-    joints = builder.AddSystem(JointLogSource(record=log.joints))
-    dope = builder.AddSystem(
-        DopeLogSource(detections=log.detections, X_WC=scene.camera.pose())
-    )
-    builder.ExportOutput(joints.GetOutputPort("joint_positions"), POSITIONS)
-    builder.ExportOutput(dope.GetOutputPort("dope_measurement"), DETECTIONS)
+    sources = AddLogSources(builder=builder, scene=scene, log=log)
+    builder.ExportOutput(sources["joint_positions"], POSITIONS)
+    builder.ExportOutput(sources["dope_measurement"], DETECTIONS)
     return builder.Build()
 
 
@@ -71,99 +61,12 @@ def AddFilterToStation(
     tracker = AddParticleFilter(
         builder=builder, scene=scene, config=config, name=name
     )
-    for port, source in (
-        ("joint_positions", POSITIONS),
-        ("dope_measurement", DETECTIONS),
-    ):
-        builder.Connect(
-            station.GetOutputPort(source), tracker.GetInputPort(port)
-        )
+    sources = {
+        "joint_positions": station.GetOutputPort(POSITIONS),
+        "dope_measurement": station.GetOutputPort(DETECTIONS),
+    }
+    ConnectByName(builder=builder, sources=sources, target=tracker)
     return tracker
-
-
-@dataclass(frozen=True)
-class Reading:
-    """What a live robot loop has at one time.
-
-    Attributes:
-        time: of a clock that never goes back (in seconds).
-        positions: (n,) the robot's measured joints.
-        measurement: the latest detections, with stamps of the same clock.
-    """
-
-    time: float
-    positions: np.ndarray
-    measurement: DopeMeasurement
-
-
-class LiveFilter:
-    """A filter outside of any simulation, updated by hand.
-
-    An update that takes longer than the filter's period is late: it is
-    counted, and told in Python's log. The loop then waits for NextTime, which
-    leaves out the periods that are over. Nothing that the robot has done is
-    lost: an update predicts from the reading of the last one to its own. The
-    process noise is that of one update, though.
-
-    Attributes:
-        late_updates: counts them.
-
-    Args:
-        scene: the robot, the objects and the camera.
-        start: what is read before the first update.
-        config: of the filter; by default the scene's. The joints are taken to
-            move straight from one reading to the next, ``control_samples``
-            doesn't count.
-    """
-
-    def __init__(
-        self,
-        *,
-        scene: Scene,
-        start: Reading,
-        config: ParticleFilterConfig | None = None,
-    ) -> None:
-        config = replace(config or scene.filter, control_samples=1)
-        self.late_updates = LateUpdates(config.period)
-        self._filter = MakeParticleFilter(
-            scene=scene, config=config, on_update=self.late_updates.Note
-        )
-        self._period, self._start = config.period, start.time
-        self._context = self._filter.CreateDefaultContext()
-        self._Read(start)
-        self._filter.ExecuteInitializationEvents(self._context)
-
-    def Update(self, reading: Reading) -> list[RigidTransform]:
-        """Returns the poses X_WO by all that was read up to now.
-
-        Args:
-            reading: later than the last one, by about the filter's period;
-                by more where updates were left out.
-        """
-        self._Read(reading)
-        values = self._filter.EvalUniquePeriodicDiscreteUpdate(self._context)
-        self._context.SetDiscreteState(values)
-        port = self._filter.GetOutputPort("estimated_poses")
-        return port.Eval(self._context)
-
-    def NextTime(self, now: float) -> float:
-        """Returns when the next update is due: after the next whole period.
-
-        Args:
-            now: when the last update is done (in seconds).
-        """
-        periods = np.floor((now - self._start) / self._period + 1e-9)
-        return float(self._start + self._period * (periods + 1))
-
-    def _Read(self, reading: Reading) -> None:
-        context, tracker = self._context, self._filter
-        context.SetTime(reading.time)
-        tracker.GetInputPort("joint_positions").FixValue(
-            context, reading.positions
-        )
-        tracker.GetInputPort("dope_measurement").FixValue(
-            context, Value(reading.measurement)
-        )
 
 
 class StationDriver:

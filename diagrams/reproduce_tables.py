@@ -25,7 +25,7 @@ from pbpf_drake.diagrams.paper.paper_comparisons import (
     comparisons_csv,
     format_comparisons,
 )
-from pbpf_drake.diagrams.paper.paper_rows import make_rows
+from pbpf_drake.diagrams.paper.paper_rows import make_paper_rows
 from pbpf_drake.diagrams.paper.paper_tables import (
     format_metrics,
     format_tables,
@@ -82,7 +82,7 @@ def write_outputs(results: Sequence[Result], folder: Path, note: str) -> str:
         folder: to write to.
         note: above the tables, or empty.
     """
-    rows, comparisons = make_rows(results), compare_all(results)
+    rows, comparisons = make_paper_rows(results), compare_all(results)
     texts = {}
     for ending, markdown in ("txt", False), ("md", True):
         parts = [

@@ -49,6 +49,7 @@ from pbpf_drake.filtering.add_particle_filter import (
     MakeParticleFilter,
 )
 from pbpf_drake.filtering.late_updates import LateUpdates
+from pbpf_drake.filtering.live_filter import LiveFilter, Reading
 from pbpf_drake.filtering.particle_filter import PhysicsBasedParticleFilter
 from pbpf_drake.filtering.particle_filter_update import ParticleFilterUpdate
 from pbpf_drake.filtering.single_snapshot_estimator import (
@@ -138,6 +139,7 @@ __all__ = [
     "JointLogSource",
     "JointRecord",
     "LateUpdates",
+    "LiveFilter",
     "LoadScene",
     "Log",
     "LogError",
@@ -160,6 +162,7 @@ __all__ = [
     "PoseStddev",
     "PredictionModel",
     "ReadLog",
+    "Reading",
     "RecordRun",
     "Recording",
     "RecordingConfig",

@@ -18,8 +18,8 @@ import pbpf_drake
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.diagrams.closed_loop.cartesian_servo import CartesianServo
 from pbpf_drake.diagrams.closed_loop.push_controller import (
-    PushConfig,
     PushController,
+    PushControllerConfig,
 )
 from pbpf_drake.diagrams.closed_loop.simulated_camera import SimulatedCamera
 from pbpf_drake.diagrams.closed_loop.true_pose_source import TruePoseSource
@@ -106,7 +106,7 @@ def _make(system: type[LeafSystem], folder: Path) -> LeafSystem:
             meshcat=Meshcat(), scene=scene, num_particles=8
         ),
         PushController: lambda: PushController(
-            config=PushConfig(goal=np.zeros(2)), start=np.ones(2)
+            config=PushControllerConfig(goal=np.zeros(2)), start=np.ones(2)
         ),
         CartesianServo: lambda: _make_servo(scene),
         SimulatedCamera: lambda: SimulatedCamera(

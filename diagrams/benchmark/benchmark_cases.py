@@ -5,7 +5,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 import itertools
 import multiprocessing
-from typing import Any
+from typing import ParamSpec, TypeVar
 
 import numpy as np
 from tqdm import tqdm
@@ -22,11 +22,11 @@ from pbpf_drake.diagrams.benchmark.benchmark_peers import (
     RunPeer,
 )
 from pbpf_drake.diagrams.benchmark.benchmark_reference import (
-    Errors,
+    PredictionErrors,
     PredictReference,
     PredictSamples,
     Sample,
-    compare,
+    compare_predictions,
     make_samples,
     pushed_share,
 )
@@ -35,6 +35,9 @@ from pbpf_drake.diagrams.benchmark.benchmark_workload import LoadWorkload
 from pbpf_drake.diagrams.benchmark.pybullet_peer import MAX_WORLDS
 from pbpf_drake.motion.motion_model import MotionResult
 from pbpf_drake.scene.prediction_model import MakePredictionModel
+
+Arguments = ParamSpec("Arguments")
+Output = TypeVar("Output")
 
 
 @dataclass(frozen=True)
@@ -102,7 +105,7 @@ class Benchmark:
         self._options = options
         self._on_measured = on_measured
         # By engine and K, and by K.
-        self._errors: dict[tuple[str, int], Errors] = {}
+        self._errors: dict[tuple[str, int], PredictionErrors] = {}
         self._references: dict[int, _Reference] = {}
         self.measurements: list[Measurement] = []
         self.speedups: list[float] = []
@@ -163,7 +166,7 @@ class Benchmark:
             for predict in (PredictReference, PredictSamples)
         )
         self._references[case.objects] = _Reference(samples, reference)
-        self._errors[OWN, case.objects] = compare(
+        self._errors[OWN, case.objects] = compare_predictions(
             [result.poses for result in own], reference
         )
         share = pushed_share(samples, reference)
@@ -194,7 +197,7 @@ class Benchmark:
         finally:
             peer.Close()
         if key not in self._errors:
-            self._errors[key] = compare(poses, reference.results)
+            self._errors[key] = compare_predictions(poses, reference.results)
         self._Add(engine, case, {"motion": seconds})
 
     def _Add(
@@ -240,11 +243,15 @@ def _bar(total: int, title: str) -> tqdm:
     return tqdm(total=total, desc=title, unit="update", leave=False)
 
 
-def _in_new_process(function: Callable, *args: Any) -> Any:
+def _in_new_process(
+    function: Callable[Arguments, Output],
+    *args: Arguments.args,
+    **kwargs: Arguments.kwargs,
+) -> Output:
     """Returns what a function does where nothing was done before.
 
     Memory that was freed would hide what the next case needs.
     """
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as pool:
-        return pool.submit(function, *args).result()
+        return pool.submit(function, *args, **kwargs).result()

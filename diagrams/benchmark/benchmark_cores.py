@@ -41,7 +41,10 @@ def MeasureProcessSpeedup(count: int, *, rounds: int = 7) -> float:
 
 
 def _work(
-    barrier: Barrier, queue: SimpleQueue, rounds: int, is_first: bool
+    barrier: Barrier,
+    queue: SimpleQueue[tuple[float, float]],
+    rounds: int,
+    is_first: bool,
 ) -> None:
     for _ in range(rounds):
         barrier.wait()

@@ -17,6 +17,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.scene_config import Scene
+from pbpf_drake.connect_ports import ConnectByName
 from pbpf_drake.diagrams.benchmark.benchmark_memory import MemoryInUse
 from pbpf_drake.diagrams.benchmark.benchmark_workload import Workload
 from pbpf_drake.filtering.add_particle_filter import (
@@ -24,11 +25,10 @@ from pbpf_drake.filtering.add_particle_filter import (
     ConfigForMethod,
 )
 from pbpf_drake.filtering.particle_filter import PhysicsBasedParticleFilter
-from pbpf_drake.log.dope_log_source import DopeLogSource
-from pbpf_drake.log.joint_log_source import JointLogSource
 from pbpf_drake.motion.motion_model import MotionInput
 from pbpf_drake.motion.physics_motion_model import PhysicsMotionModel
 from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.tracking.add_log_sources import AddLogSources
 from pbpf_drake.tracking.tracking_diagram import NumSteps
 from pbpf_drake.visibility.visibility_model import VisibilityModel
 
@@ -96,7 +96,7 @@ class TimedModel:
     """
 
     def __init__(
-        self, model: Any, on_call: Callable[[Call, tuple], None]
+        self, model: Any, on_call: Callable[[Call, tuple[object, ...]], None]
     ) -> None:
         self._model = model
         self._on_call = on_call
@@ -144,7 +144,10 @@ class FilterBenchmark:
                 workload.scene, self.config, self._Note, self._NoteEvent
             )
         )
-        _add_sources(builder, workload, self._filter)
+        sources = AddLogSources(
+            builder=builder, scene=workload.scene, log=workload.log
+        )
+        ConnectByName(builder=builder, sources=sources, target=self._filter)
         self._simulator = Simulator(builder.Build())
         self._start = self._simulator.get_context().Clone()
 
@@ -172,7 +175,7 @@ class FilterBenchmark:
                 seconds = split_stages(self._event, self._calls, outputs)
                 yield seconds, self._motion
 
-    def _Note(self, call: Call, arguments: tuple) -> None:
+    def _Note(self, call: Call, arguments: tuple[object, ...]) -> None:
         self._calls.append(call)
         motions = [x for x in arguments if isinstance(x, MotionInput)]
         self._motion = motions[0] if motions else self._motion
@@ -233,7 +236,7 @@ def RunFilter(
 def _make_filter(
     scene: Scene,
     config: ParticleFilterConfig,
-    on_call: Callable[[Call, tuple], None],
+    on_call: Callable[[Call, tuple[object, ...]], None],
     on_update: Callable[[float], None],
 ) -> PhysicsBasedParticleFilter:
     """Makes what MakeParticleFilter makes, with models that are timed."""
@@ -252,24 +255,3 @@ def _make_filter(
         visibility_model=visibility_model,
         on_update=on_update,
     )
-
-
-def _add_sources(
-    builder: DiagramBuilder,
-    workload: Workload,
-    particle_filter: PhysicsBasedParticleFilter,
-) -> None:
-    joints = builder.AddSystem(JointLogSource(record=workload.log.joints))
-    dope = builder.AddSystem(
-        DopeLogSource(
-            detections=workload.log.detections,
-            X_WC=workload.scene.camera.pose(),
-        )
-    )
-    for source, port in (
-        (joints, "joint_positions"),
-        (dope, "dope_measurement"),
-    ):
-        builder.Connect(
-            source.GetOutputPort(port), particle_filter.GetInputPort(port)
-        )

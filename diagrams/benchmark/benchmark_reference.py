@@ -46,7 +46,7 @@ class Sample:
 
 
 @dataclass(frozen=True)
-class Errors:
+class PredictionErrors:
     """Of all particles and objects of all samples.
 
     Attributes:
@@ -74,7 +74,7 @@ def make_samples(
     # One generator: the samples are the same in every run.
     rng = np.random.default_rng(0)
     friction, mass, dissipation = (
-        rng.permutation(_spread(gaussian, count))
+        rng.permutation(_even_draws(gaussian, count))
         for gaussian in (config.friction, config.mass, config.dissipation)
     )
     updates = (np.arange(count) + 0.5) * len(motions) / count
@@ -88,7 +88,7 @@ def make_samples(
     ]
 
 
-def _spread(gaussian: TruncatedGaussian, count: int) -> np.ndarray:
+def _even_draws(gaussian: TruncatedGaussian, count: int) -> np.ndarray:
     """Returns the middles of equal shares of a distribution, (count,)."""
     quantiles = norm.ppf((np.arange(count) + 0.5) / count)
     draws = gaussian.mean + gaussian.stddev * quantiles
@@ -147,9 +147,9 @@ def _always(parameters: PhysicalParameters) -> PhysicalParametersConfig:
     )
 
 
-def compare(
+def compare_predictions(
     poses: Sequence[np.ndarray], references: Sequence[MotionResult]
-) -> Errors:
+) -> PredictionErrors:
     """Returns the errors of an engine.
 
     Args:
@@ -163,7 +163,7 @@ def compare(
     )
     distance = np.linalg.norm(dut[..., 4:] - ref[..., 4:], axis=-1)
     angle = quaternions.angle_between(dut[..., :4], ref[..., :4])
-    return Errors(distance.ravel(), angle.ravel())
+    return PredictionErrors(distance.ravel(), angle.ravel())
 
 
 def pushed_share(

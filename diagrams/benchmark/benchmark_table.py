@@ -2,12 +2,15 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from pbpf_drake.diagrams.benchmark.benchmark_filter import STAGES
-from pbpf_drake.diagrams.benchmark.benchmark_reference import Errors
+from pbpf_drake.diagrams.benchmark.benchmark_reference import PredictionErrors
+from pbpf_drake.diagrams.tables.text_tables import (
+    markdown_line,
+    markdown_table,
+)
 
 # The engine that is this project's own.
 OWN = "pbpf"
@@ -33,7 +36,7 @@ class Measurement:
     objects: int
     threads: int
     seconds: dict[str, np.ndarray]
-    errors: Errors
+    errors: PredictionErrors
     bytes_per_particle: float = 0.0
 
     def median(self, stage: str) -> float:
@@ -41,7 +44,9 @@ class Measurement:
         return float(1e3 * np.median(self.seconds[stage]))
 
 
-def json_rows(measurements: Iterable[Measurement]) -> list[dict[str, Any]]:
+def json_rows(
+    measurements: Iterable[Measurement],
+) -> list[dict[str, object]]:
     """Returns a row for every stage of every measurement.
 
     The errors are the means over the engine's predictions, in millimeters and
@@ -74,12 +79,12 @@ def update_table(measurements: Iterable[Measurement], period: float) -> str:
     """
     head = ["M", "K", "threads", *STAGES, "p95", "max"]
     head += ["real-time factor", "MB/particle"]
-    return _markdown(head, [_update_row(m, period) for m in measurements])
+    return markdown_table(head, [_update_row(m, period) for m in measurements])
 
 
 def update_line(measurement: Measurement, period: float) -> str:
     """Returns the line of one measurement in update_table."""
-    return _line(_update_row(measurement, period))
+    return markdown_line(_update_row(measurement, period))
 
 
 def _update_row(m: Measurement, period: float) -> list[str]:
@@ -130,7 +135,7 @@ def growth_table(
     head = ["M", "K", "threads", "ms/particle"]
     head += [f"over that of M = {least[0]}", f"ms over K = {least[1]}"]
     head += ["speed-up", "of processes'"]
-    return _markdown(head, rows)
+    return markdown_table(head, rows)
 
 
 def error_table(measurements: Sequence[Measurement]) -> str:
@@ -148,7 +153,7 @@ def error_table(measurements: Sequence[Measurement]) -> str:
         for (engine, objects), e in errors.items()
     ]
     head = ["engine", "K", "mean [mm]", "median", "mean [rad]", "median"]
-    return _markdown(head, rows)
+    return markdown_table(head, rows)
 
 
 def engine_table(measurements: Sequence[Measurement]) -> str:
@@ -175,12 +180,4 @@ def engine_table(measurements: Sequence[Measurement]) -> str:
     head = ["M", "K", "threads", "whole update", "motion"]
     for engine in others:
         head += [engine, "over motion", "over update"]
-    return _markdown(head, rows)
-
-
-def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    return "\n".join(map(_line, [head, ["---"] * len(head), *rows]))
-
-
-def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cells) + " |"
+    return markdown_table(head, rows)

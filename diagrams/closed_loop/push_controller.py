@@ -57,7 +57,7 @@ def push_direction(
 
 
 @dataclass(frozen=True, kw_only=True)
-class PushConfig:
+class PushControllerConfig:
     """How to push.
 
     Attributes:
@@ -101,7 +101,9 @@ class PushController(LeafSystem):
         start: (2,) where the fingertip is at first (in meters).
     """
 
-    def __init__(self, *, config: PushConfig, start: np.ndarray) -> None:
+    def __init__(
+        self, *, config: PushControllerConfig, start: np.ndarray
+    ) -> None:
         super().__init__()
         self._config = config
         self._poses = self.DeclareAbstractInputPort(

@@ -6,7 +6,9 @@ later, code or files may be others.
 """
 
 from collections.abc import Mapping
-from typing import Any
+
+# Names what a result depends on; JSON can hold the values.
+JobKey = Mapping[str, object]
 
 _EXPECTED = {
     "code": "the same code, and the same versions of Python and of what is "
@@ -15,7 +17,7 @@ _EXPECTED = {
 }
 
 
-def check_key(asked: Mapping[str, Any], found: Mapping[str, Any]) -> None:
+def check_key(asked: JobKey, found: JobKey) -> None:
     """Raises ValueError unless both keys are the same.
 
     Args:

@@ -12,14 +12,16 @@ from concurrent.futures import (
 )
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, TypeVar
+
+Output = TypeVar("Output")
 
 # How often a job may take its process with it while it runs alone.
 _ATTEMPTS = 2
 
 
 @dataclass(frozen=True, eq=False)
-class Job:
+class Job(Generic[Output]):
     """Something to compute.
 
     Attributes:
@@ -30,8 +32,8 @@ class Job:
     """
 
     name: str
-    function: Callable[..., Any]
-    arguments: tuple
+    function: Callable[..., Output]
+    arguments: tuple[Any, ...]
     cost: float = 1.0
 
 
@@ -48,12 +50,12 @@ ExecutorFactory = Callable[[], AbstractContextManager[Executor]]
 
 
 def RunJobs(
-    jobs: Sequence[Job],
+    jobs: Sequence[Job[Output]],
     make_executor: ExecutorFactory,
     *,
     ahead: int,
-    on_done: Callable[[Job, Any], None],
-    on_failure: Callable[[Job, str], None],
+    on_done: Callable[[Job[Output], Output], None],
+    on_failure: Callable[[Job[Output], str], None],
 ) -> None:
     """Runs all jobs; one that fails doesn't stop the others.
 
@@ -73,8 +75,8 @@ def RunJobs(
     Raises:
         Exception: whatever make_executor or on_done raises.
     """
-    waiting, suspects = deque(jobs), deque[Job]()
-    deaths: dict[Job, int] = {}
+    waiting, suspects = deque(jobs), deque[Job[Output]]()
+    deaths: dict[Job[Output], int] = {}
     while waiting or suspects:
         queue, limit = (suspects, 1) if suspects else (waiting, ahead)
         with make_executor() as executor:
@@ -89,19 +91,19 @@ def RunJobs(
 
 
 def _drain(
-    queue: deque[Job],
+    queue: deque[Job[Output]],
     executor: Executor,
     limit: int,
-    on_done: Callable[[Job, Any], None],
-    on_failure: Callable[[Job, str], None],
-) -> dict[Job, str]:
+    on_done: Callable[[Job[Output], Output], None],
+    on_failure: Callable[[Job[Output], str], None],
+) -> dict[Job[Output], str]:
     """Runs a queue until it is empty, or until the executor is lost.
 
     Returns:
         The jobs that were under way when it was, and what became of them.
     """
-    running: dict[Future, Job] = {}
-    lost: dict[Job, str] = {}
+    running: dict[Future[Output], Job[Output]] = {}
+    lost: dict[Job[Output], str] = {}
     try:
         while running or (queue and not lost):
             while queue and len(running) < limit and not lost:

@@ -4,17 +4,17 @@ A file is there as a whole or not at all, whenever the program is killed. A
 file that was damaged since is as good as none, and that is said.
 """
 
-from collections.abc import Mapping
 import glob
 import hashlib
 import json
 import os
 from pathlib import Path
-from typing import Any
 import uuid
 
+from pbpf_drake.diagrams.jobs.job_key import JobKey
 
-def key_digest(key: Mapping[str, Any]) -> str:
+
+def key_digest(key: JobKey) -> str:
     """Returns a name for what a result depends on.
 
     Args:
@@ -58,7 +58,7 @@ class ResultStore:
         self._suffix = suffix
         self.notes: list[str] = []
 
-    def Load(self, name: str, key: Mapping[str, Any]) -> bytes | None:
+    def Load(self, name: str, key: JobKey) -> bytes | None:
         """Returns what was stored, or None.
 
         Args:
@@ -73,14 +73,14 @@ class ResultStore:
             path.unlink()
         return None
 
-    def Save(self, name: str, key: Mapping[str, Any], data: bytes) -> Path:
+    def Save(self, name: str, key: JobKey, data: bytes) -> Path:
         """Stores something at once; returns its file."""
         stem = f"{name}-{key_digest(key)}-{_content_digest(data)}"
         path = self._folder / (stem + self._suffix)
         write_atomically(path, data)
         return path
 
-    def _pattern(self, name: str, key: Mapping[str, Any]) -> str:
+    def _pattern(self, name: str, key: JobKey) -> str:
         return glob.escape(f"{name}-{key_digest(key)}-") + f"*{self._suffix}"
 
 

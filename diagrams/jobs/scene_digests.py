@@ -65,7 +65,9 @@ def ReadSceneFiles(scene: str) -> SceneFiles:
     )
 
 
-def _digest(content: dict, without: tuple[str, ...], models: str) -> str:
+def _digest(
+    content: dict[str, object], without: tuple[str, ...], models: str
+) -> str:
     kept = {key: x for key, x in content.items() if key not in without}
     text = json.dumps(kept, sort_keys=True) + models
     return hashlib.sha256(text.encode()).hexdigest()

@@ -5,20 +5,18 @@ stored. A worker on another machine needs this package, and a scene file of
 one's own under the same path.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 import tempfile
-from typing import Any
 
 from pbpf_drake.diagrams.jobs.code_digest import code_digest
-from pbpf_drake.diagrams.jobs.job_key import check_key
+from pbpf_drake.diagrams.jobs.job_key import JobKey, check_key
 from pbpf_drake.diagrams.jobs.scene_digests import ReadSceneFiles, SceneFiles
 from pbpf_drake.diagrams.jobs.scene_run import SceneRun
 from pbpf_drake.log.mcap_log_writer import WriteLog
 from pbpf_drake.truth.truth_simulation import RecordRun
 
 
-def recording_key(scene_run: SceneRun, files: SceneFiles) -> dict[str, Any]:
+def recording_key(scene_run: SceneRun, files: SceneFiles) -> JobKey:
     """Returns all that a recorded log depends on.
 
     Args:
@@ -33,7 +31,7 @@ def recording_key(scene_run: SceneRun, files: SceneFiles) -> dict[str, Any]:
     }
 
 
-def record(scene_run: SceneRun, key: Mapping[str, Any]) -> bytes:
+def record(scene_run: SceneRun, key: JobKey) -> bytes:
     """Simulates a run; returns its log, an MCAP file.
 
     Args:

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 import sys
-from typing import Any
 
 from tqdm import tqdm
 
+from pbpf_drake.diagrams.jobs.job_key import JobKey
 from pbpf_drake.diagrams.jobs.job_queue import (
     ExecutorFactory,
     Failure,
@@ -20,8 +20,8 @@ from pbpf_drake.diagrams.jobs.result_store import ResultStore
 class StoredJob:
     """A job that makes bytes, and the key of all that they depend on."""
 
-    job: Job
-    key: Mapping[str, Any]
+    job: Job[bytes]
+    key: JobKey
 
 
 def RunStoredJobs(
@@ -45,26 +45,16 @@ def RunStoredJobs(
     Returns:
         Results by the job's name, and the jobs that have none.
     """
-    results: dict[str, bytes] = {}
-    missing: dict[str, StoredJob] = {}
-    for stored in stored_jobs:
-        data = store.Load(stored.job.name, stored.key)
-        if data is None:
-            missing[stored.job.name] = stored
-        else:
-            results[stored.job.name] = data
-    for note in store.notes:
-        tqdm.write(note, file=sys.stderr)
-    store.notes.clear()
+    results, missing = _LoadStored(stored_jobs, store)
     failures: list[Failure] = []
     with _make_bar(stored_jobs, missing, title) as bar:
 
-        def on_done(job: Job, result: bytes) -> None:
+        def on_done(job: Job[bytes], result: bytes) -> None:
             store.Save(job.name, missing[job.name].key, result)
             results[job.name] = result
             _advance(bar, job, len(results), len(stored_jobs))
 
-        def on_failure(job: Job, reason: str) -> None:
+        def on_failure(job: Job[bytes], reason: str) -> None:
             failures.append(Failure(job.name, reason))
             _advance(bar, job, len(results), len(stored_jobs))
 
@@ -77,6 +67,24 @@ def RunStoredJobs(
             on_failure=on_failure,
         )
     return results, failures
+
+
+def _LoadStored(
+    stored_jobs: Sequence[StoredJob], store: ResultStore
+) -> tuple[dict[str, bytes], dict[str, StoredJob]]:
+    """Returns the results that are stored, and the jobs of all others."""
+    results: dict[str, bytes] = {}
+    missing: dict[str, StoredJob] = {}
+    for stored in stored_jobs:
+        data = store.Load(stored.job.name, stored.key)
+        if data is None:
+            missing[stored.job.name] = stored
+        else:
+            results[stored.job.name] = data
+    for note in store.notes:
+        tqdm.write(note, file=sys.stderr)
+    store.notes.clear()
+    return results, missing
 
 
 def _make_bar(
@@ -97,7 +105,7 @@ def _make_bar(
     )
 
 
-def _advance(bar: tqdm, job: Job | None, done: int, total: int) -> None:
+def _advance(bar: tqdm, job: Job[bytes] | None, done: int, total: int) -> None:
     bar.set_postfix_str(f"{done} of {total}", refresh=job is None)
     if job is not None:
         # The costs' sum differs from their total by rounding.

@@ -17,7 +17,7 @@ import numpy as np
 from pbpf_drake.diagrams.paper.evaluation import Result
 from pbpf_drake.diagrams.paper.paper_statistics import confidence_band
 from pbpf_drake.diagrams.paper.paper_values import METHOD_TITLES, OBJECT_TITLES
-from pbpf_drake.results.plot_style import style_of
+from pbpf_drake.results.plot_style import draw_grid, style_of
 
 _METRICS = (
     ("position", 100.0, "position error [cm]"),
@@ -120,5 +120,4 @@ def _draw(
         if method != "cvpf" or methods == {"cvpf"}:
             top = max(top, scale * float(np.nanmax(high, initial=0.0)))
     ax.set_ylim(0.0, 1.05 * top if top > 0 else 1.0)
-    ax.grid(True, color="#CCCCCC", lw=0.5)
-    ax.spines[["top", "right"]].set_visible(False)
+    draw_grid(ax)

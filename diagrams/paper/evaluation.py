@@ -12,7 +12,6 @@ import hashlib
 import json
 from pathlib import Path
 import tempfile
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.config.symmetry import SymmetryConfig
 from pbpf_drake.diagrams.jobs.code_digest import code_digest
-from pbpf_drake.diagrams.jobs.job_key import check_key
+from pbpf_drake.diagrams.jobs.job_key import JobKey, check_key
 from pbpf_drake.diagrams.jobs.scene_digests import ReadSceneFiles, SceneFiles
 from pbpf_drake.diagrams.jobs.scene_run import SceneRun, scene_name
 from pbpf_drake.log.log_reader import ReadLog
@@ -104,7 +103,7 @@ def evaluation_config(
 
 def evaluation_key(
     evaluation: Evaluation, log: bytes, files: SceneFiles
-) -> dict[str, Any]:
+) -> JobKey:
     """Returns all that a result depends on.
 
     Args:
@@ -124,9 +123,7 @@ def evaluation_key(
     }
 
 
-def evaluate(
-    evaluation: Evaluation, log: bytes, key: Mapping[str, Any]
-) -> bytes:
+def evaluate(evaluation: Evaluation, log: bytes, key: JobKey) -> bytes:
     """Tracks a log and compares with its truth; returns a Result as JSON.
 
     Args:

@@ -3,10 +3,14 @@
 from collections.abc import Sequence
 
 from pbpf_drake.diagrams.paper.evaluation import Result
-from pbpf_drake.diagrams.paper.paper_rows import Row, find_row, make_rows
-from pbpf_drake.diagrams.paper.paper_statistics import Comparison, compare
+from pbpf_drake.diagrams.paper.paper_rows import (
+    PaperRow,
+    find_row,
+    make_paper_rows,
+)
+from pbpf_drake.diagrams.paper.paper_statistics import Comparison, compare_means
 from pbpf_drake.diagrams.paper.paper_values import METHOD_TITLES
-from pbpf_drake.diagrams.paper.text_tables import (
+from pbpf_drake.diagrams.tables.text_tables import (
     format_csv,
     format_grid,
     format_number,
@@ -31,7 +35,7 @@ _VERDICTS = {
 
 def compare_all(
     results: Sequence[Result],
-) -> list[tuple[Row, str, str, Comparison]]:
+) -> list[tuple[PaperRow, str, str, Comparison]]:
     """Compares all pairs of methods.
 
     Returns:
@@ -39,7 +43,7 @@ def compare_all(
         how they compare.
     """
     found = []
-    rows = make_rows(results)
+    rows = make_paper_rows(results)
     for first in rows:
         for method in (b for a, b in _PAIRS if a == first.method):
             if not find_row(rows, first.scene, first.object, method):
@@ -49,14 +53,14 @@ def compare_all(
                 for m in (first.method, method)
             )
             for metric in _COMPARED:
-                comparison = compare(mine, others, first.object, metric)
+                comparison = compare_means(mine, others, first.object, metric)
                 if comparison:
                     found.append((first, method, metric, comparison))
     return found
 
 
 def format_comparisons(
-    comparisons: Sequence[tuple[Row, str, str, Comparison]],
+    comparisons: Sequence[tuple[PaperRow, str, str, Comparison]],
     *,
     markdown: bool,
 ) -> str:
@@ -92,10 +96,10 @@ def format_comparisons(
 
 
 def comparisons_csv(
-    comparisons: Sequence[tuple[Row, str, str, Comparison]],
+    comparisons: Sequence[tuple[PaperRow, str, str, Comparison]],
 ) -> str:
     """Returns comparisons.csv: a row for each comparison."""
-    table: list[list] = [
+    table: list[Sequence[object]] = [
         [
             *("scene", "object", "method", "other", "metric"),
             *("difference", "difference_low", "difference_high"),

@@ -10,15 +10,15 @@ from pbpf_drake.diagrams.paper.paper_values import (
     OBJECT_TITLES,
     PAPER,
     SCENES,
-    Errors,
+    MeanErrors,
 )
 from pbpf_drake.results.pose_metrics import area_under_curve
 
-_NONE = Errors(*[float("nan")] * 4)
+_NONE = MeanErrors(*[float("nan")] * 4)
 
 
 @dataclass(frozen=True)
-class Row:
+class PaperRow:
     """One method's errors of one object in one scene.
 
     Attributes:
@@ -36,8 +36,8 @@ class Row:
     method: str
     runs: int
     repeats: int
-    ours: Errors
-    paper: Errors
+    ours: MeanErrors
+    paper: MeanErrors
     metrics: dict[str, tuple[float, float]]
     auc: dict[str, float]
 
@@ -50,7 +50,7 @@ class Row:
         return f"{thing}, {self.scene}"
 
 
-def make_rows(results: Iterable[Result]) -> list[Row]:
+def make_paper_rows(results: Iterable[Result]) -> list[PaperRow]:
     """Returns a row for each scene, object and method with results."""
     groups: dict[tuple[str, str, str], list[Result]] = {}
     for result in results:
@@ -61,8 +61,8 @@ def make_rows(results: Iterable[Result]) -> list[Row]:
 
 
 def find_row(
-    rows: Sequence[Row], scene: str, object_name: str, method: str
-) -> Row | None:
+    rows: Sequence[PaperRow], scene: str, object_name: str, method: str
+) -> PaperRow | None:
     """Returns the row of these names, or None."""
     for row in rows:
         if (row.scene, row.object, row.method) == (scene, object_name, method):
@@ -70,7 +70,7 @@ def find_row(
     return None
 
 
-def ratio_to_dope(rows: Sequence[Row], row: Row) -> tuple[float, ...]:
+def ratio_to_dope(rows: Sequence[PaperRow], row: PaperRow) -> tuple[float, ...]:
     """Returns mean errors over DOPE's.
 
     Returns:
@@ -90,24 +90,24 @@ def ratio_to_dope(rows: Sequence[Row], row: Row) -> tuple[float, ...]:
 
 def _make_row(
     scene: str, object_name: str, method: str, results: Sequence[Result]
-) -> Row:
+) -> PaperRow:
     pooled = {m: pool(results, object_name, m) for m in METRICS}
     metrics = {m: mean_and_stddev(x) for m, x in pooled.items()}
     runs = [result.run for result in results]
-    return Row(
+    return PaperRow(
         scene=scene,
         object=object_name,
         method=method,
         runs=len(set(runs)),
         repeats=min(runs.count(run) for run in runs),
-        ours=Errors(*metrics["position"], *metrics["rotation"]),
+        ours=MeanErrors(*metrics["position"], *metrics["rotation"]),
         paper=PAPER.get((scene, object_name, method), _NONE),
         metrics=metrics,
         auc={m: area_under_curve(pooled[m]) for m in ("add", "add_s")},
     )
 
 
-def _order(key: tuple[str, str, str]) -> tuple:
+def _order(key: tuple[str, str, str]) -> tuple[int, str, int, str, int]:
     """Sorts as the paper does; what it doesn't have comes last."""
     scene, name, method = key
     scenes, names = list(SCENES), list(OBJECT_TITLES)

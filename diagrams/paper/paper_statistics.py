@@ -102,7 +102,7 @@ def sample_means(
     return {g: float(np.mean(x)) for g, x in pooled.items() if x.size}
 
 
-def compare(
+def compare_means(
     first: Sequence[Result],
     second: Sequence[Result],
     object_name: str,

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from pbpf_drake.diagrams.paper.evaluation import METRICS
-from pbpf_drake.diagrams.paper.paper_rows import Row, ratio_to_dope
+from pbpf_drake.diagrams.paper.paper_rows import PaperRow, ratio_to_dope
 from pbpf_drake.diagrams.paper.paper_values import METHOD_TITLES, SCENES
-from pbpf_drake.diagrams.paper.text_tables import (
+from pbpf_drake.diagrams.tables.text_tables import (
     format_csv,
     format_grid,
     format_number,
@@ -46,14 +46,14 @@ _PAPER_COLUMNS = [
 ]
 
 
-def format_tables(rows: Sequence[Row], *, markdown: bool) -> str:
+def format_tables(rows: Sequence[PaperRow], *, markdown: bool) -> str:
     """Returns Tables 1 and 2, each number with the paper's beside it.
 
     Args:
-        rows: from make_rows.
+        rows: from make_paper_rows.
         markdown: else plain text.
     """
-    groups: dict[str, list[Row]] = {
+    groups: dict[str, list[PaperRow]] = {
         "Table 1": [],
         "Table 2": [],
         "Scenes of one's own": [],
@@ -70,13 +70,13 @@ def format_tables(rows: Sequence[Row], *, markdown: bool) -> str:
 
 
 def _format_rows(
-    rows: Sequence[Row], chosen: Sequence[Row], *, markdown: bool
+    rows: Sequence[PaperRow], chosen: Sequence[PaperRow], *, markdown: bool
 ) -> str:
     grid = [_TITLES, *(_cells(rows, row) for row in chosen)]
     return format_grid(grid, markdown=markdown)
 
 
-def format_metrics(rows: Sequence[Row], *, markdown: bool) -> str:
+def format_metrics(rows: Sequence[PaperRow], *, markdown: bool) -> str:
     """Returns the errors that the paper doesn't have, as a table."""
     others = [m for m in METRICS if m not in ("position", "rotation")]
     heads = [f"{m.replace('_', ' ')} [{_UNITS[m]}]" for m in others]
@@ -93,9 +93,9 @@ def format_metrics(rows: Sequence[Row], *, markdown: bool) -> str:
     return format_grid(grid, markdown=markdown)
 
 
-def paper_csv(rows: Sequence[Row]) -> str:
+def paper_csv(rows: Sequence[PaperRow]) -> str:
     """Returns paper_tables.csv; a cell is empty where nothing is known."""
-    table: list[list] = [_PAPER_COLUMNS]
+    table: list[Sequence[object]] = [_PAPER_COLUMNS]
     for row in rows:
         ours = [format_number(x, 6, "") for x in vars(row.ours).values()]
         paper = [format_number(x, 3, "") for x in vars(row.paper).values()]
@@ -104,10 +104,10 @@ def paper_csv(rows: Sequence[Row]) -> str:
     return format_csv(table)
 
 
-def metrics_csv(rows: Sequence[Row]) -> str:
+def metrics_csv(rows: Sequence[PaperRow]) -> str:
     """Returns metrics.csv: all METRICS and the areas under the curve."""
     heads = [f"{m}_{part}" for m in METRICS for part in ("mean", "std")]
-    table: list[list] = [
+    table: list[Sequence[object]] = [
         ["scene", "object", "method", *heads, "add_auc", "add_s_auc"]
     ]
     for row in rows:
@@ -118,7 +118,7 @@ def metrics_csv(rows: Sequence[Row]) -> str:
     return format_csv(table)
 
 
-def _cells(rows: Sequence[Row], row: Row) -> list[str]:
+def _cells(rows: Sequence[PaperRow], row: PaperRow) -> list[str]:
     pos, paper_pos, rot, paper_rot = (
         format_number(x, 2) for x in ratio_to_dope(rows, row)
     )

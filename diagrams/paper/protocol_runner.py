@@ -1,13 +1,16 @@
 """Records and evaluates what a protocol says, as far as it isn't stored."""
 
+from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 
 from pbpf_drake.diagrams.jobs.job_queue import ExecutorFactory, Failure, Job
 from pbpf_drake.diagrams.jobs.result_store import ResultStore
-from pbpf_drake.diagrams.jobs.scene_digests import ReadSceneFiles
+from pbpf_drake.diagrams.jobs.scene_digests import ReadSceneFiles, SceneFiles
 from pbpf_drake.diagrams.jobs.scene_recording import record, recording_key
 from pbpf_drake.diagrams.jobs.stored_jobs import RunStoredJobs, StoredJob
 from pbpf_drake.diagrams.paper.evaluation import (
+    Evaluation,
     Result,
     evaluate,
     evaluation_key,
@@ -43,34 +46,45 @@ def RunProtocol(
     """
     protocol.ValidateOrThrow()
     files = {scene: ReadSceneFiles(scene) for scene in protocol.scenes}
-    records = []
-    for scene_run in scene_runs(protocol):
-        key = recording_key(scene_run, files[scene_run.scene])
-        cost = recording_cost(scene_run)
-        job = Job(scene_run.name(), record, (scene_run, key), cost)
-        records.append(StoredJob(job, key))
-    logs, failures = RunStoredJobs(
-        records,
+    run = partial(RunStoredJobs, make_executor=make_executor, ahead=ahead)
+    logs, unrecorded = run(
+        _recording_jobs(protocol, files),
         ResultStore(folder / "logs", suffix=".mcap"),
-        make_executor,
-        ahead=ahead,
         title="record",
     )
+    # By name: a method that is asked for twice is evaluated once.
     todo = {
         e.name(): e for e in evaluations(protocol) if e.scene_run.name() in logs
     }
-    jobs = []
-    for name, e in todo.items():
-        log = logs[e.scene_run.name()]
-        key = evaluation_key(e, log, files[e.scene_run.scene])
-        job = Job(name, evaluate, (e, log, key), evaluation_cost(e))
-        jobs.append(StoredJob(job, key))
-    data, failed = RunStoredJobs(
-        jobs,
+    data, unevaluated = run(
+        _evaluation_jobs(todo.values(), logs, files),
         ResultStore(folder / "evaluations", suffix=".json"),
-        make_executor,
-        ahead=ahead,
         title="evaluate",
     )
     results = [read_result(e, data[n]) for n, e in todo.items() if n in data]
-    return results, failures + failed
+    return results, unrecorded + unevaluated
+
+
+def _recording_jobs(
+    protocol: Protocol, files: Mapping[str, SceneFiles]
+) -> list[StoredJob]:
+    jobs = []
+    for run in scene_runs(protocol):
+        key = recording_key(run, files[run.scene])
+        job = Job(run.name(), record, (run, key), recording_cost(run))
+        jobs.append(StoredJob(job, key))
+    return jobs
+
+
+def _evaluation_jobs(
+    todo: Iterable[Evaluation],
+    logs: Mapping[str, bytes],
+    files: Mapping[str, SceneFiles],
+) -> list[StoredJob]:
+    jobs = []
+    for e in todo:
+        log = logs[e.scene_run.name()]
+        key = evaluation_key(e, log, files[e.scene_run.scene])
+        job = Job(e.name(), evaluate, (e, log, key), evaluation_cost(e))
+        jobs.append(StoredJob(job, key))
+    return jobs

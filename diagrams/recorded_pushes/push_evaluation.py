@@ -1,121 +1,117 @@
-"""What the evaluations of recorded pushes have in common."""
+"""What the evaluations of recorded pushes have in common: how they are run."""
 
 import argparse
-from collections.abc import Callable, Iterable
-import csv
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 import os
 from pathlib import Path
 import tempfile
-from typing import Any
+from typing import Generic, TypeVar
 
-import numpy as np
 from tqdm import tqdm
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.diagrams.jobs.executors import LocalExecutor
 from pbpf_drake.diagrams.jobs.run_command import RunCommand
+from pbpf_drake.diagrams.recorded_pushes.push_rows import Row, WriteRows
 from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.log.log_records import Log
 from pbpf_drake.log.mcap_log_writer import WriteLog
 from pbpf_drake.tracking.tracking_diagram import DefaultConfig
 
-METHODS = ("pbpf", "cvpf", "dope")
-# What tells the rows of one method apart.
-_IDENTITY = ("run", "blackout", "dropout", "seed")
+# The methods that are compared, in the order of the tables' columns.
+COMPARED_METHODS = ("pbpf", "cvpf", "dope")
 
-Row = dict[str, float | str]
+Job = TypeVar("Job")
 
 
-def PushConfig(scene: Scene, method: str, seed: int) -> ParticleFilterConfig:
+@dataclass(frozen=True, kw_only=True)
+class PushEvaluation(Generic[Job]):
+    """One command that evaluates methods on a folder of recordings.
+
+    Attributes:
+        name: of the command.
+        description: what it does; its first line is shown.
+        recordings: what the folder has to hold, in words.
+        pattern: of their paths within the folder.
+        seeds: how many by default.
+        out: the file of results by default.
+        make_jobs: returns what to compute of some recordings with so many
+            seeds.
+        evaluate: computes one row; a function of a module, as it is called in
+            another process.
+        make_table: yields the lines that sum all rows up.
+    """
+
+    name: str
+    description: str
+    recordings: str
+    pattern: str
+    seeds: int
+    out: str
+    make_jobs: Callable[[Sequence[Path], int], Iterable[Job]]
+    evaluate: Callable[[Job], Row]
+    make_table: Callable[[Sequence[Row]], Iterator[str]]
+
+
+def RunEvaluation(
+    evaluation: PushEvaluation[Job], argv: list[str] | None
+) -> int:
+    """Runs the command of an evaluation; returns its exit code.
+
+    Args:
+        evaluation: what to do.
+        argv: the command line; None is the process's own.
+    """
+    parser = argparse.ArgumentParser(
+        description=evaluation.description.split("\n")[0]
+    )
+    add = parser.add_argument
+    add("data", type=Path, help=f"folder of {evaluation.recordings}")
+    add("--seeds", type=int, default=evaluation.seeds)
+    add("--jobs", type=int, default=os.cpu_count())
+    add("--out", type=Path, default=Path(evaluation.out))
+    args = parser.parse_args(argv)
+    return RunCommand(evaluation.name, lambda: _run(evaluation, args))
+
+
+def _run(evaluation: PushEvaluation[Job], args: argparse.Namespace) -> None:
+    """Evaluates all recordings; prints a table, and writes all rows."""
+    files = sorted(args.data.glob(evaluation.pattern))
+    if not files:
+        raise ValueError(f"there are no {evaluation.recordings} in {args.data}")
+    jobs = list(evaluation.make_jobs(files, args.seeds))
+    if not jobs:
+        raise ValueError(f"there is nothing to evaluate in {args.data}")
+    with LocalExecutor(args.jobs) as executor:
+        found = executor.map(evaluation.evaluate, jobs)
+        rows = list(tqdm(found, total=len(jobs), unit="track"))
+    for line in evaluation.make_table(rows):
+        print(line)
+    WriteRows(args.out, rows)
+
+
+def ConfigForPushes(
+    scene: Scene, method: str, seed: int
+) -> ParticleFilterConfig:
     """Returns the config of a method for recorded pushes.
 
     PBPF recovers lost tracks in them: people poke the block, and these
     detections have no bias that would look like a lost track.
+
+    Args:
+        scene: has the config that all methods share.
+        method: one of COMPARED_METHODS.
+        seed: of the filter.
     """
     config = replace(DefaultConfig(scene, method), seed=seed)
     return replace(config, recover_lost_tracks=method == "pbpf")
 
 
 def ThroughMcap(log: Log, scene: Scene) -> Log:
-    """Takes the log through a file, as any log of a user comes."""
+    """Writes a log and reads it again: a user's own comes from a file, too."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "push.mcap"
         WriteLog(filename=path, scene_topics=scene.topics, log=log)
         return ReadLog(filename=path, scene=scene, joint_names=log.joints.names)
-
-
-def EvaluateAll(
-    evaluate: Callable[[Any], Row], jobs: Iterable[Any], *, num_processes: int
-) -> list[Row]:
-    """Returns a row of results for every job, with a progress bar.
-
-    Args:
-        evaluate: a function of a module; called in another process.
-        jobs: its arguments.
-        num_processes: how many run at the same time.
-    """
-    jobs = list(jobs)
-    with LocalExecutor(num_processes) as executor:
-        return list(
-            tqdm(executor.map(evaluate, jobs), total=len(jobs), unit="track")
-        )
-
-
-def WriteRows(filename: Path, rows: list[Row]) -> None:
-    """Writes rows of results as a CSV file, and says where."""
-    with open(filename, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, fieldnames=rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
-    print(f"Written to {filename}")
-
-
-def column(rows: list[Row], method: str, name: str) -> np.ndarray:
-    """Returns one column of a method's rows, in the same order for all methods.
-
-    Args:
-        rows: of all methods.
-        method: whose to return.
-        name: the column's.
-    """
-    chosen = [row for row in rows if row["method"] == method]
-    chosen.sort(key=lambda row: [row[k] for k in _IDENTITY if k in row])
-    return np.array([row[name] for row in chosen], dtype=float)
-
-
-def spread(values: np.ndarray, digits: int) -> str:
-    """Returns a cell of a table: the median and the 90th percentile."""
-    high = np.percentile(values, 90)
-    return f"{np.median(values):.{digits}f} / {high:.{digits}f}"
-
-
-def RunEvaluation(
-    argv: list[str] | None,
-    run: Callable[[argparse.Namespace], None],
-    *,
-    name: str,
-    description: str,
-    data: str,
-    seeds: int,
-    out: str,
-) -> int:
-    """Runs the command of an evaluation; returns its exit code.
-
-    Args:
-        argv: the command line; None is the process's own.
-        run: the evaluation.
-        name: of the command.
-        description: what it does; its first line is shown.
-        data: what the folder holds.
-        seeds: how many by default.
-        out: the file of results by default.
-    """
-    parser = argparse.ArgumentParser(description=description.split("\n")[0])
-    parser.add_argument("data", type=Path, help=f"folder of {data}")
-    parser.add_argument("--seeds", type=int, default=seeds)
-    parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--out", type=Path, default=Path(out))
-    args = parser.parse_args(argv)
-    return RunCommand(name, lambda: run(args))

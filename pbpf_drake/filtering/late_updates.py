@@ -15,7 +15,7 @@ class LateUpdates:
     that much older when it comes, and the next update begins later. There is
     at most one line in five seconds.
 
-    ``Note`` can be the filter's ``on_update``.
+    ``AddUpdate`` can be the filter's ``on_update``.
 
     Args:
         period: of the filter (in seconds).
@@ -34,8 +34,8 @@ class LateUpdates:
         self.updates = 0
         self.late = 0
 
-    def Note(self, seconds: float) -> None:
-        """Takes note of an update and of how long it took (in seconds)."""
+    def AddUpdate(self, seconds: float) -> None:
+        """Adds an update that took so long (in seconds)."""
         self.updates += 1
         if seconds <= self._period:
             return

@@ -21,7 +21,9 @@ import numpy as np
 
 from pbpf_drake.log.log_records import PoseRecord
 from pbpf_drake.results.plot_style import (
+    ERROR_COLOR,
     HIDDEN_COLOR,
+    PRIOR_COLOR,
     decorate,
     shade_hidden,
     style_of,
@@ -30,8 +32,6 @@ from pbpf_drake.results.pose_errors import compute_errors, position_stddev
 from pbpf_drake.results.track_diagnostics import Diagnostics, ParameterTrace
 from pbpf_drake.results.track_record import TrackRecord
 
-_ERROR_COLOR = "#222222"
-_PRIOR_COLOR = "#777777"
 # Updates over which a parameter's trace is averaged: one update says little.
 _WINDOW = 9
 _ROWS = (
@@ -99,10 +99,10 @@ def _add_legend(figure: Figure, record: TrackRecord) -> None:
     color, _ = style_of(record.method)
     method = record.method.upper()
     handles: list[Artist] = [
-        Line2D([], [], color=_ERROR_COLOR, lw=2, label="error"),
+        Line2D([], [], color=ERROR_COLOR, lw=2, label="error"),
         Line2D([], [], color=color, lw=2, label=method),
         Patch(color=color, alpha=0.2, lw=0, label="10 to 90 % of θ"),
-        Line2D([], [], color=_PRIOR_COLOR, ls="--", label="θ as drawn"),
+        Line2D([], [], color=PRIOR_COLOR, ls="--", label="θ as drawn"),
         Patch(color=HIDDEN_COLOR, lw=0, label="no detection"),
     ]
     figure.legend(
@@ -121,7 +121,7 @@ def _draw_errors(
     spread = 100 * position_stddev(record, name)
     error = 100 * compute_errors(record, name, truth).position
     if np.isfinite(error).any():
-        ax.plot(record.times, error, color=_ERROR_COLOR, lw=1.8)
+        ax.plot(record.times, error, color=ERROR_COLOR, lw=1.8)
     if np.isfinite(spread).any():
         ax.plot(record.times, spread, color=color, lw=1.8)
     if not (np.isfinite(error).any() or np.isfinite(spread).any()):
@@ -139,7 +139,7 @@ def _draw_sample_size(ax: Axes, record: TrackRecord) -> None:
     ax.plot(record.times, share, color=color, lw=1.2)
     used = 100 * record.particles_used / count
     if np.any(used < 100):
-        ax.plot(record.times, used, color=_PRIOR_COLOR, lw=1.2)
+        ax.plot(record.times, used, color=PRIOR_COLOR, lw=1.2)
     ax.set_ylim(0, 105)
     ax.text(
         0.99, 0.05, f"M = {count}", transform=ax.transAxes, ha="right"
@@ -169,7 +169,7 @@ def _draw_parameter(
     ax.fill_between(record.times, low, high, color=color, alpha=0.2, lw=0)
     ax.plot(record.times, middle, color=color, lw=1.8)
     for value, dashes in zip(trace.drawn[k], (":", "--", ":"), strict=True):
-        ax.axhline(value, color=_PRIOR_COLOR, lw=1.0, ls=dashes)
+        ax.axhline(value, color=PRIOR_COLOR, lw=1.0, ls=dashes)
     ax.set_ylim(bottom=0)
 
 

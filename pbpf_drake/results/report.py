@@ -167,7 +167,9 @@ def _statistics(errors: np.ndarray) -> dict[str, float | None]:
     }
 
 
-def _number(values: np.ndarray, function: Callable) -> float | None:
+def _number(
+    values: np.ndarray, function: Callable[[np.ndarray], float]
+) -> float | None:
     """Applies a statistic to what is finite; None where nothing is."""
     finite = values[np.isfinite(values)]
     return float(function(finite)) if finite.size else None

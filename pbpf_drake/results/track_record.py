@@ -42,4 +42,4 @@ class TrackRecord:
     update_ms: np.ndarray
     period: float
     seed: int = 0
-    config: dict = field(default_factory=dict)
+    config: dict[str, object] = field(default_factory=dict)

@@ -1,30 +1,30 @@
 """Runs an estimator on a log, in a Drake simulation."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from pydrake.common.schema import Transform
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
+from pydrake.systems.framework import (
+    Context,
+    Diagram,
+    DiagramBuilder,
+    OutputPort,
+    System,
+)
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.scene_config import Scene
-from pbpf_drake.filtering.add_particle_filter import (
-    AddParticleFilter,
-    ConfigForMethod,
-)
-from pbpf_drake.filtering.single_snapshot_estimator import (
-    SingleSnapshotEstimator,
-)
-from pbpf_drake.log.dope_log_source import DopeLogSource
+from pbpf_drake.connect_ports import ConnectByName
+from pbpf_drake.filtering.add_estimator import AddEstimator
+from pbpf_drake.filtering.add_particle_filter import ConfigForMethod
 from pbpf_drake.log.ground_truth_log_source import GroundTruthLogSource
-from pbpf_drake.log.joint_log_source import JointLogSource
 from pbpf_drake.log.log_records import Log
 from pbpf_drake.poses.pose_conversion import pose_array
 from pbpf_drake.results.track_record import TrackRecord
-from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.tracking.add_log_sources import AddLogSources
 from pbpf_drake.views.particle_visualizer import AddParticleVisualizer
 
 
@@ -67,26 +67,18 @@ def MakeTrackingDiagram(
     """
     scene = SceneOfLog(scene, log)
     builder = DiagramBuilder()
-    joints = builder.AddNamedSystem(
-        "joint_log_source", JointLogSource(record=log.joints)
-    )
-    dope = builder.AddNamedSystem(
-        "dope_log_source",
-        DopeLogSource(detections=log.detections, X_WC=scene.camera.pose()),
-    )
+    sources = AddLogSources(builder=builder, scene=scene, log=log)
     seconds: list[float] = []
-    estimator = _AddEstimator(builder, scene, method, config, seconds)
-    if estimator.HasInputPort("joint_positions"):
-        builder.Connect(
-            joints.GetOutputPort("joint_positions"),
-            estimator.GetInputPort("joint_positions"),
-        )
-    builder.Connect(
-        dope.GetOutputPort("dope_measurement"),
-        estimator.GetInputPort("dope_measurement"),
+    estimator = AddEstimator(
+        builder=builder,
+        scene=scene,
+        method=method,
+        config=config,
+        on_update=seconds.append,
     )
+    ConnectByName(builder=builder, sources=sources, target=estimator)
     if meshcat is not None:
-        _AddVisualizer(builder, scene, log, estimator, joints, dope, meshcat)
+        _AddVisualizer(builder, scene, log, estimator, sources, meshcat)
     return TrackingDiagram(builder.Build(), estimator, seconds)
 
 
@@ -159,42 +151,12 @@ def NumSteps(log: Log, config: ParticleFilterConfig) -> int:
     return int(log.duration / config.period + 1e-9)
 
 
-def _AddEstimator(
-    builder: DiagramBuilder,
-    scene: Scene,
-    method: str,
-    config: ParticleFilterConfig,
-    seconds: list[float],
-) -> System:
-    if method != "dope":
-        return AddParticleFilter(
-            builder=builder,
-            scene=scene,
-            config=config,
-            on_update=seconds.append,
-        )
-    return builder.AddNamedSystem(
-        "single_snapshot_estimator",
-        SingleSnapshotEstimator(
-            object_names=scene.object_names(),
-            nominal_poses=MakePredictionModel(scene).nominal_poses,
-            period=config.period,
-            on_update=seconds.append,
-        ),
-    )
-
-
-def _num_particles(estimator: System, config: ParticleFilterConfig) -> int:
-    return config.num_particles if estimator.HasOutputPort("particles") else 0
-
-
 def _AddVisualizer(
     builder: DiagramBuilder,
     scene: Scene,
     log: Log,
     estimator: System,
-    joints: JointLogSource,
-    dope: DopeLogSource,
+    sources: Mapping[str, OutputPort],
     meshcat: Meshcat,
 ) -> None:
     """Draws all that is known; the truth of those objects that have one."""
@@ -210,8 +172,7 @@ def _AddVisualizer(
         meshcat=meshcat,
         scene=scene,
         filter=estimator,
-        joint_positions=joints.GetOutputPort("joint_positions"),
-        dope_measurement=dope.GetOutputPort("dope_measurement"),
+        **sources,
         ground_truth_poses=truth,
         ground_truth_names=names,
     )

@@ -13,6 +13,7 @@ from pydrake.systems.framework import (
     System,
 )
 
+from pbpf_drake.connect_ports import ConnectByName
 from pbpf_drake.poses.pose_conversion import pose_array
 from pbpf_drake.views.track_mcap import TrackMcap
 
@@ -187,8 +188,10 @@ def AddEstimateRecorder(
         start_time=start_time,
     )
     builder.AddSystem(recorder)
-    for name in _INPUT_PORTS:
-        if name in _OPTIONAL_PORTS and not filter.HasOutputPort(name):
-            continue
-        builder.Connect(filter.GetOutputPort(name), recorder.GetInputPort(name))
+    sources = {
+        name: filter.GetOutputPort(name)
+        for name in _INPUT_PORTS
+        if name not in _OPTIONAL_PORTS or filter.HasOutputPort(name)
+    }
+    ConnectByName(builder=builder, sources=sources, target=recorder)
     return recorder

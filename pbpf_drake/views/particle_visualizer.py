@@ -15,6 +15,7 @@ from pydrake.systems.framework import (
 )
 
 from pbpf_drake.config.scene_config import Scene
+from pbpf_drake.connect_ports import ConnectByName
 from pbpf_drake.dope_measurement import DopeMeasurement, EvalDopeMeasurement
 from pbpf_drake.poses.pose_conversion import rigid_transform
 from pbpf_drake.views.palette import (
@@ -256,7 +257,9 @@ def AddParticleVisualizer(
     }
     if num_particles:
         sources["particles"] = filter.GetOutputPort("particles")
-    for name, port in sources.items():
-        if port is not None:
-            builder.Connect(port, visualizer.GetInputPort(name))
+    ConnectByName(
+        builder=builder,
+        sources={n: port for n, port in sources.items() if port is not None},
+        target=visualizer,
+    )
     return visualizer

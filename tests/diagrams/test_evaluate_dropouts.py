@@ -3,6 +3,7 @@
 from model_world import load_scene
 import numpy as np
 from paths import DATA
+from push_fixtures import num_columns, rows_of_methods
 import pytest
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
@@ -14,9 +15,9 @@ from pbpf_drake.diagrams.evaluate_dropouts import (
     main,
     summarize,
 )
+from pbpf_drake.diagrams.jobs.scene_run import scene_path
 from pbpf_drake.diagrams.recorded_pushes.two_finger_log import JOINT_NAMES
 from pbpf_drake.scene.prediction_model import MakePredictionModel
-from pbpf_drake.scene.scene_models import data_folder
 
 PUSHES = DATA / "twofinger_pushes"
 RUN = PUSHES / "bigrect_ridge/bigrect_ridge_30_50_60__2017-05-23_21-35-34.csv"
@@ -27,9 +28,7 @@ recorded = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def scene():
-    return LoadScene(
-        data_folder("diagrams") / "scenes" / "two_finger_push.yaml"
-    )
+    return LoadScene(scene_path("two_finger_push"))
 
 
 def test_joints_of_the_model_are_those_of_the_recordings(scene):
@@ -92,20 +91,19 @@ def test_holding_is_as_far_off_as_the_block_got():
 
 
 def test_a_table_has_a_column_for_every_title():
-    row = {
-        "run": "a",
-        "dropout": 0,
-        "seed": 0,
-        "length_s": 1.0,
-        "moved_m": 0.02,
-        "moved_rad": 0.1,
-        "error_m": 0.004,
-        "error_rad": 0.2,
-    }
-    rows = [{**row, "method": m} for m in ("pbpf", "cvpf", "dope")]
+    rows = rows_of_methods(
+        run="a",
+        dropout=0,
+        seed=0,
+        length_s=1.0,
+        moved_m=0.02,
+        moved_rad=0.1,
+        error_m=0.004,
+        error_rad=0.2,
+    )
     line = summarize("pushed", "paper", rows)
-    titles = evaluate_dropouts._HEADER.split("\n")[0]
-    assert line.count("|") == titles.count("|")
+    titles, _ = evaluate_dropouts._HEADER.split("\n")
+    assert num_columns(line) == num_columns(titles)
     assert "| pushed | paper | 1 | 1.00 | 20.0 | 0.10 | 4.0 / 4.0 |" in line
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 from paths import DATA
+from push_fixtures import num_columns, rows_of_methods
 import pytest
 
 from pbpf_drake.config.scene_config import LoadScene
@@ -13,10 +14,10 @@ from pbpf_drake.diagrams.evaluate_push_bags import (
     main,
     summarize,
 )
+from pbpf_drake.diagrams.jobs.scene_run import scene_path
 from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.log.log_records import JointRecord, Log, PoseRecord
 from pbpf_drake.poses.quaternions import angle_between
-from pbpf_drake.scene.scene_models import data_folder
 
 BAGS = DATA / "push_bags"
 recorded = pytest.mark.skipif(not BAGS.is_dir(), reason="no recorded bags")
@@ -66,9 +67,7 @@ def test_blackouts_are_where_they_are_said_to_be():
 @recorded
 @pytest.mark.parametrize("name", ["Test_st_1", "Test_st_4"])
 def test_a_bag_is_read_as_it_is(name):
-    scene = LoadScene(
-        data_folder("diagrams") / "scenes" / "planar_push_bag.yaml"
-    )
+    scene = LoadScene(scene_path("planar_push_bag"))
     log = ReadLog(
         filename=BAGS / f"{name}.bag",
         scene=scene,
@@ -100,21 +99,19 @@ def test_the_block_is_followed_through_a_blackout_in_contact():
 
 
 def test_a_table_has_a_column_for_every_title():
-    row = {
-        "run": "a",
-        "blackout": "contact",
-        "seed": 0,
-        "moved_m": 0.05,
-        "end_m": 0.01,
-        "end_rad": 0.1,
-        "before_slip_m": 0.01,
-        "after_slip_m": 0.02,
-    }
-    rows = [{**row, "method": m} for m in ("pbpf", "cvpf", "dope")]
-    line = summarize("a", "contact", rows)
-    assert line.count("|") == evaluate_push_bags._HEADER.split("\n")[0].count(
-        "|"
+    rows = rows_of_methods(
+        run="a",
+        blackout="contact",
+        seed=0,
+        moved_m=0.05,
+        end_m=0.01,
+        end_rad=0.1,
+        before_slip_m=0.01,
+        after_slip_m=0.02,
     )
+    line = summarize("a", "contact", rows)
+    titles, _ = evaluate_push_bags._HEADER.split("\n")
+    assert num_columns(line) == num_columns(titles)
     assert "| 1.00 | 0 % |" in line
 
 

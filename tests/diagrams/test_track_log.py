@@ -2,7 +2,8 @@ import csv
 from dataclasses import replace
 import json
 
-from filter_fixtures import PERIOD, SCENES, make_push_log, planar_scene
+from command_fixtures import SCENE, run_command, write_push
+from filter_fixtures import PERIOD, make_push_log
 from image_fixtures import TOPIC, flat_image, raw_image
 from image_fixtures import write_log as write_image_log
 from mcap.reader import make_reader
@@ -11,10 +12,7 @@ import pytest
 
 from pbpf_drake.bags.ros2_messages import IMAGE
 from pbpf_drake.config.particle_filter_config import METHODS
-from pbpf_drake.diagrams.track_log import main
-from pbpf_drake.log.mcap_log_writer import WriteLog
 
-SCENE = SCENES / "planar_push.yaml"
 OUTPUTS = {
     "report.json",
     "errors.csv",
@@ -28,23 +26,16 @@ DURATION = 3.0
 STEPS = 18
 
 
-def _write(path, log):
-    topics = planar_scene().topics
-    WriteLog(filename=path, scene_topics=topics, log=log)
-    return path
-
-
 @pytest.fixture(scope="module")
 def push(tmp_path_factory):
     """A log of a push with ground truth and a blackout."""
     folder = tmp_path_factory.mktemp("logs")
-    return _write(folder / "push.mcap", make_push_log(duration=DURATION))
+    return write_push(folder / "push.mcap", make_push_log(duration=DURATION))
 
 
 def _run(log, out, *options, scene=SCENE) -> int:
-    paths = ["--log", log, "--scene", scene, "--out", out]
     common = ["--particles", "6", "--threads", "1"]
-    return main([str(x) for x in [*paths, *common, *options]])
+    return run_command(log, out, *common, *options, scene=scene)
 
 
 @pytest.fixture(scope="module", params=METHODS)
@@ -139,7 +130,7 @@ def _numbers(out) -> dict:
 
 
 def test_the_same_command_gives_the_same_numbers_with_more_threads(tmp_path):
-    push = _write(tmp_path / "push.mcap", make_push_log(duration=0.8))
+    push = write_push(tmp_path / "push.mcap", make_push_log(duration=0.8))
     outs = [tmp_path / name for name in ("one", "two")]
     for out, threads in zip(outs, ("1", "2"), strict=True):
         options = ["--method", "pbpf", "--threads", threads]
@@ -154,7 +145,7 @@ def test_the_same_command_gives_the_same_numbers_with_more_threads(tmp_path):
 
 def test_a_log_without_detections_is_tracked_and_said(tmp_path, capsys):
     log = replace(make_push_log(duration=0.5), detections=())
-    path = _write(tmp_path / "blind.mcap", log)
+    path = write_push(tmp_path / "blind.mcap", log)
     assert _run(path, tmp_path / "out") == 0
     warning = "there are no detections of ['block']"
     assert f"Warning: {warning}" in capsys.readouterr().out
@@ -169,7 +160,7 @@ def test_a_log_without_detections_is_tracked_and_said(tmp_path, capsys):
 
 def test_a_log_without_ground_truth_is_tracked_without_errors(tmp_path):
     log = replace(make_push_log(duration=0.5), ground_truth={})
-    path = _write(tmp_path / "untrue.mcap", log)
+    path = write_push(tmp_path / "untrue.mcap", log)
     assert _run(path, tmp_path / "out", "--method", "dope") == 0
     names = {p.name for p in (tmp_path / "out").iterdir()}
     assert names == OUTPUTS

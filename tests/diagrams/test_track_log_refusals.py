@@ -4,35 +4,22 @@ from dataclasses import replace
 import subprocess
 import sys
 
+from command_fixtures import SCENE, run_command, write_push
 from filter_fixtures import SCENES, make_push_log, planar_scene
 import pytest
 
-from pbpf_drake.diagrams.track_log import main
 from pbpf_drake.log.mcap_log_writer import WriteLog
-
-SCENE = SCENES / "planar_push.yaml"
-
-
-def _write(path, log):
-    topics = planar_scene().topics
-    WriteLog(filename=path, scene_topics=topics, log=log)
-    return path
 
 
 @pytest.fixture(scope="module")
 def push(tmp_path_factory):
     folder = tmp_path_factory.mktemp("logs")
-    return _write(folder / "push.mcap", make_push_log(duration=0.5))
-
-
-def _run(log, out, *options, scene=SCENE) -> int:
-    paths = ["--log", log, "--scene", scene, "--out", out]
-    return main([str(x) for x in [*paths, *options]])
+    return write_push(folder / "push.mcap", make_push_log(duration=0.5))
 
 
 def _refused(capsys, *arguments, **options) -> str:
     """Returns the one sentence that the command fails with."""
-    assert _run(*arguments, **options) == 1
+    assert run_command(*arguments, **options) == 1
     printed = capsys.readouterr()
     assert printed.out == ""
     assert printed.err.startswith("pbpf-track: ")
@@ -58,7 +45,7 @@ def test_a_log_of_another_robot_is_refused(push, tmp_path, capsys):
 
 
 def test_a_log_that_is_too_short_is_refused(tmp_path, capsys):
-    path = _write(tmp_path / "short.mcap", make_push_log(duration=0.1))
+    path = write_push(tmp_path / "short.mcap", make_push_log(duration=0.1))
     message = _refused(capsys, path, tmp_path / "out")
     assert f"{path} is 0.1 s long; expected at least one period" in message
     assert "0.16 s" in message
@@ -118,7 +105,7 @@ def test_an_argument_that_is_no_choice_is_refused_by_argparse(
     push, tmp_path, capsys, option, value, choices
 ):
     with pytest.raises(SystemExit) as error:
-        _run(push, tmp_path / "out", option, value)
+        run_command(push, tmp_path / "out", option, value)
     assert error.value.code == 2
     last = capsys.readouterr().err.splitlines()[-1]
     assert option in last and repr(value) in last and choices in last

@@ -16,15 +16,15 @@ class _Clock:
 def test_updates_within_the_period_are_counted_and_not_told(caplog):
     dut = LateUpdates(0.16)
     for seconds in (0.01, 0.159, 0.16):
-        dut.Note(seconds)
+        dut.AddUpdate(seconds)
     assert (dut.updates, dut.late) == (3, 0)
     assert not caplog.records
 
 
 def test_a_late_update_is_told_with_its_numbers(caplog):
     dut = LateUpdates(0.16)
-    dut.Note(0.02)
-    dut.Note(0.25)
+    dut.AddUpdate(0.02)
+    dut.AddUpdate(0.25)
     assert (dut.updates, dut.late) == (2, 1)
     (record,) = caplog.records
     assert record.levelno == logging.WARNING
@@ -37,7 +37,7 @@ def test_there_is_at_most_one_line_in_five_seconds(caplog, step, lines):
     clock = _Clock()
     dut = LateUpdates(0.16, clock=clock)
     for _ in range(61):
-        dut.Note(1.0)
+        dut.AddUpdate(1.0)
         clock.now += step
     assert dut.late == 61
     assert len(caplog.records) == lines

@@ -13,7 +13,7 @@ from pbpf_drake.diagrams.benchmark.benchmark_reference import (
     PredictReference,
     PredictSamples,
     Sample,
-    compare,
+    compare_predictions,
     make_samples,
     pushed_share,
 )
@@ -96,7 +96,7 @@ def test_the_filters_own_step_comes_near_the_reference(scene, motion):
     arguments = {"model": model, "config": scene.filter, "samples": samples}
     references = list(PredictReference(**arguments))
     poses = [result.poses for result in PredictSamples(**arguments)]
-    errors = compare(poses, references)
+    errors = compare_predictions(poses, references)
     assert 0 < np.max(errors.position) < 2e-3
     assert np.max(errors.rotation) < 0.02
 
@@ -121,7 +121,7 @@ def test_errors_are_distances_and_angles_without_failed_particles():
     moved[..., :4] = quaternions.multiply(turn, moved[..., :4])
     moved[2] = 1e3
     result = _result(reference, [False, False, True, False])
-    errors = compare([moved], [result])
+    errors = compare_predictions([moved], [result])
     np.testing.assert_allclose(errors.position, np.full(6, 0.005))
     np.testing.assert_allclose(errors.rotation, np.full(6, 0.02))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pbpf_drake.diagrams.benchmark.benchmark_filter import STAGES
-from pbpf_drake.diagrams.benchmark.benchmark_reference import Errors
+from pbpf_drake.diagrams.benchmark.benchmark_reference import PredictionErrors
 from pbpf_drake.diagrams.benchmark.benchmark_table import (
     OWN,
     Measurement,
@@ -16,7 +16,9 @@ from pbpf_drake.diagrams.benchmark.benchmark_table import (
     update_table,
 )
 
-ERRORS = Errors(np.array([1e-3, 2e-3, 6e-3]), np.array([0.01, 0.02, 0.06]))
+ERRORS = PredictionErrors(
+    np.array([1e-3, 2e-3, 6e-3]), np.array([0.01, 0.02, 0.06])
+)
 
 
 def _measurement(m, k, threads, milliseconds, engine=OWN) -> Measurement:

@@ -5,8 +5,8 @@ from pydrake.systems.analysis import Simulator
 import pytest
 
 from pbpf_drake.diagrams.closed_loop.push_controller import (
-    PushConfig,
     PushController,
+    PushControllerConfig,
     push_direction,
 )
 
@@ -63,7 +63,7 @@ def test_from_wherever_it_is_it_gets_behind_a_round_object(angle):
 
 
 def _simulate(center, duration: float = 1.0, **changes) -> np.ndarray:
-    config = PushConfig(goal=GOAL, **changes)
+    config = PushControllerConfig(goal=GOAL, **changes)
     dut = PushController(config=config, start=np.array([0.4, 0.0]))
     simulator = Simulator(dut)
     context = simulator.get_mutable_context()
@@ -85,5 +85,5 @@ def test_at_the_goal_the_fingertip_rests():
 
 def test_the_fingertip_stays_in_its_place_whatever_the_estimate_says():
     p = _simulate([5.0, 5.0], duration=20.0)
-    config = PushConfig(goal=GOAL)
+    config = PushControllerConfig(goal=GOAL)
     assert np.all(p[:2] >= config.lower) and np.all(p[:2] <= config.upper)

@@ -8,7 +8,7 @@ from scipy import stats
 from pbpf_drake.diagrams.paper.paper_statistics import (
     Comparison,
     Interval,
-    compare,
+    compare_means,
     confidence_band,
     mean_and_stddev,
     pool,
@@ -61,10 +61,10 @@ def test_a_clear_difference_is_significant_and_its_sign_is_right():
     rng = np.random.default_rng(2)
     small, large = 1 + 0.1 * rng.random((2, 10))
     large += 1
-    better = compare(
+    better = compare_means(
         _runs("pbpf", small), _runs("dope", large), "cracker", "position"
     )
-    worse = compare(
+    worse = compare_means(
         _runs("pbpf", large), _runs("dope", small), "cracker", "position"
     )
     assert better.verdict() == "smaller" and worse.verdict() == "larger"
@@ -79,7 +79,9 @@ def test_intervals_of_a_difference_are_near_the_paired_t_test():
     rng = np.random.default_rng(3)
     common = 10 * rng.random(40)
     a, b = common + rng.normal(size=40), common + rng.normal(size=40) + 0.2
-    found = compare(_runs("pbpf", a), _runs("cvpf", b), "cracker", "position")
+    found = compare_means(
+        _runs("pbpf", a), _runs("cvpf", b), "cracker", "position"
+    )
     low, high = stats.ttest_rel(a, b).confidence_interval(0.95)
     assert found.difference.low == pytest.approx(low, abs=0.08)
     assert found.difference.high == pytest.approx(high, abs=0.08)
@@ -93,7 +95,7 @@ def test_intervals_of_ten_runs_hold_the_truth_nine_times_in_ten(monkeypatch):
     rng, hits = np.random.default_rng(4), 0
     for _ in range(200):
         a, b = rng.normal(5, 1, size=(2, 10))
-        found = compare(
+        found = compare_means(
             _runs("pbpf", a, repeats=1),
             _runs("dope", b, repeats=1),
             "cracker",
@@ -116,7 +118,7 @@ def test_equal_methods_differ_significantly_one_time_in_twenty(
     false = 0
     for _ in range(200):
         a, b = common + getattr(rng, draw)(size=(2, 10))
-        found = compare(
+        found = compare_means(
             _runs("pbpf", a, repeats=1),
             _runs("dope", b, repeats=1),
             "cracker",
@@ -128,7 +130,9 @@ def test_equal_methods_differ_significantly_one_time_in_twenty(
 
 def test_a_p_value_is_the_share_of_signs_that_make_as_large_a_difference():
     a, b = np.random.default_rng(12).normal(size=(2, 8))
-    found = compare(_runs("pbpf", a), _runs("dope", b), "cracker", "position")
+    found = compare_means(
+        _runs("pbpf", a), _runs("dope", b), "cracker", "position"
+    )
     signs = np.array(list(itertools.product([-1, 1], repeat=8)))
     means = np.abs(signs @ (a - b)) / 8
     expected = np.mean(means >= abs(np.mean(a - b)) - 1e-12)
@@ -139,14 +143,16 @@ def test_one_run_alone_makes_no_significant_difference():
     """However large: that of all others says nothing."""
     a = np.full(10, 1.0)
     b = a + np.array([30.0, 0.2, -0.1, 0.1, -0.2, 0.1, 0.2, -0.1, -0.2, 0.1])
-    found = compare(_runs("pbpf", a), _runs("dope", b), "cracker", "position")
+    found = compare_means(
+        _runs("pbpf", a), _runs("dope", b), "cracker", "position"
+    )
     assert found.verdict() == "not different"
 
 
 def test_methods_are_compared_on_their_common_runs():
     first = _runs("pbpf", [1.0] * 8)
     second = _runs("dope", [2.0] * 6 + [99.0])[:-2]
-    found = compare(first, second, "cracker", "position")
+    found = compare_means(first, second, "cracker", "position")
     assert found.count == 6
     assert found.difference == Interval(-1, -1, -1)
     assert found.ratio == Interval(0.5, 0.5, 0.5)
@@ -155,22 +161,25 @@ def test_methods_are_compared_on_their_common_runs():
 def test_what_is_not_random_has_the_same_error_in_each_repeat():
     first = _runs("pbpf-v", [1.0], repeats=20, spread=0.1)
     second = _runs("dope", [2.0], repeats=1)
-    found = compare(first, second, "cracker", "position")
+    found = compare_means(first, second, "cracker", "position")
     assert (found.over, found.count) == ("repeats", 20)
     assert found.verdict() == "smaller"
-    assert compare(second, first, "cracker", "position").verdict() == "larger"
+    assert (
+        compare_means(second, first, "cracker", "position").verdict()
+        == "larger"
+    )
 
 
 def test_one_sample_or_none_in_common_is_not_compared():
     one = _runs("pbpf", [1.0], repeats=1)
     other = [make_result(method="dope", run=5)]
-    assert compare(one, one, "cracker", "position") is None
-    assert compare(one, other, "cracker", "position") is None
+    assert compare_means(one, one, "cracker", "position") is None
+    assert compare_means(one, other, "cracker", "position") is None
 
 
 def test_few_runs_are_never_significant():
     for count in range(2, 6):
-        found = compare(
+        found = compare_means(
             _runs("pbpf", np.linspace(1, 1.1, count)),
             _runs("dope", np.linspace(5, 5.2, count)),
             "cracker",
@@ -190,13 +199,13 @@ def test_a_p_value_at_the_level_is_not_significant():
 def test_a_method_of_which_one_repeat_is_left_is_not_taken_to_be_exact():
     first = _runs("pbpf-v", [1.0], repeats=20, spread=0.1)
     second = _runs("pbpf", [2.0], repeats=1)
-    assert compare(first, second, "cracker", "position") is None
+    assert compare_means(first, second, "cracker", "position") is None
 
 
 def test_a_comparison_is_the_same_every_time():
     a, b = np.random.default_rng(5).random((2, 10))
     first, second = (
-        compare(_runs("pbpf", a), _runs("dope", b), "cracker", "position")
+        compare_means(_runs("pbpf", a), _runs("dope", b), "cracker", "position")
         for _ in range(2)
     )
     assert first == second

@@ -15,7 +15,7 @@ from pbpf_drake.diagrams.paper.paper_comparisons import (
 )
 from pbpf_drake.diagrams.paper.paper_rows import (
     find_row,
-    make_rows,
+    make_paper_rows,
     ratio_to_dope,
 )
 from pbpf_drake.diagrams.paper.paper_tables import (
@@ -56,7 +56,7 @@ def _read(text: str) -> list[dict]:
 def test_there_is_a_row_per_scene_object_and_method_in_the_papers_order(
     results,
 ):
-    rows = make_rows(results)
+    rows = make_paper_rows(results)
     assert [(r.scene, r.object, r.method) for r in rows] == [
         ("cheezit_1", "cracker", "pbpf"),
         ("cheezit_1", "cracker", "pbpf-v"),
@@ -74,12 +74,12 @@ def test_where_an_evaluation_is_missing_the_row_does_not_say_it_is_there(
     results,
 ):
     pbpf = [r for r in results if r.method == "pbpf"]
-    (row,) = make_rows(pbpf[1:])
+    (row,) = make_paper_rows(pbpf[1:])
     assert (row.runs, row.repeats) == (7, 2)
 
 
 def test_a_row_holds_pooled_errors_beside_the_papers(results):
-    row = make_rows(results)[0]
+    row = make_paper_rows(results)[0]
     mine = [r for r in results if (r.scene, r.method) == ("cheezit_1", "pbpf")]
     values = np.concatenate([r.errors["cracker"]["rotation"] for r in mine])
     assert row.ours.rot_mean == pytest.approx(values.mean())
@@ -91,7 +91,7 @@ def test_a_row_holds_pooled_errors_beside_the_papers(results):
 
 
 def test_ratios_to_dope_are_of_means_and_beside_the_papers(results):
-    rows = make_rows(results)
+    rows = make_paper_rows(results)
     pbpf, dope = rows[0], rows[2]
     found = ratio_to_dope(rows, pbpf)
     expected = (
@@ -107,13 +107,13 @@ def test_ratios_to_dope_are_of_means_and_beside_the_papers(results):
 
 
 def test_without_dope_there_is_no_ratio():
-    rows = make_rows([make_result(method="pbpf", scene="mine")])
+    rows = make_paper_rows([make_result(method="pbpf", scene="mine")])
     assert np.isnan(ratio_to_dope(rows, rows[0])).all()
     assert find_row(rows, "mine", "cracker", "dope") is None
 
 
 def test_the_csv_has_the_columns_asked_for_and_reads_back(results):
-    rows = make_rows(results)
+    rows = make_paper_rows(results)
     table = _read(paper_csv(rows))
     errors = [f"{e}_{part}" for e in ("pos", "rot") for part in ("mean", "std")]
     assert list(table[0]) == [
@@ -133,7 +133,7 @@ def test_the_csv_has_the_columns_asked_for_and_reads_back(results):
 
 
 def test_metrics_are_in_a_csv_of_their_own(results):
-    table = _read(metrics_csv(make_rows(results)))
+    table = _read(metrics_csv(make_paper_rows(results)))
     assert float(table[-1]["mssd_mean"]) == pytest.approx(0.2)
     assert float(table[-1]["add_s_auc"]) == 0.0
     assert float(table[-1]["symmetric_rotation_std"]) == pytest.approx(0)
@@ -141,7 +141,7 @@ def test_metrics_are_in_a_csv_of_their_own(results):
 
 @pytest.mark.parametrize("markdown", [False, True])
 def test_each_cell_of_the_tables_is_beside_the_papers(results, markdown):
-    rows = make_rows(results)
+    rows = make_paper_rows(results)
     text = format_tables(rows, markdown=markdown)
     assert text.index("Table 1") < text.index("Table 2")
     assert text.index("Table 2") < text.index("Scenes of one's own")
@@ -163,7 +163,7 @@ def test_each_cell_of_the_tables_is_beside_the_papers(results, markdown):
 
 
 def test_markdown_tables_are_rectangular(results):
-    rows = make_rows(results)
+    rows = make_paper_rows(results)
     for text in (
         format_tables(rows, markdown=True),
         format_metrics(rows, markdown=True),

@@ -1,6 +1,6 @@
 """Numbers as cells, and cells as tables: plain text, Markdown and CSV."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 import csv
 import io
 
@@ -15,6 +15,22 @@ def format_number(value: float, digits: int, unknown: str = "-") -> str:
 def format_pair(mean: float, stddev: float) -> str:
     """Returns a mean and its standard deviation, or - where unknown."""
     return f"{mean:.3f} ± {stddev:.3f}" if np.isfinite(mean) else "-"
+
+
+def format_quantiles(values: np.ndarray, digits: int) -> str:
+    """Returns the median and the 90th percentile."""
+    middle, high = np.median(values), np.percentile(values, 90)
+    return f"{middle:.{digits}f} / {high:.{digits}f}"
+
+
+def markdown_line(cells: Iterable[str]) -> str:
+    """Returns one line of a Markdown table."""
+    return f"| {' | '.join(cells)} |"
+
+
+def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Returns a Markdown table; its cells are not padded."""
+    return "\n".join(map(markdown_line, [head, ["---"] * len(head), *rows]))
 
 
 def format_grid(grid: Sequence[Sequence[str]], *, markdown: bool) -> str:
@@ -32,10 +48,10 @@ def format_grid(grid: Sequence[Sequence[str]], *, markdown: bool) -> str:
     if not markdown:
         return "\n".join("  ".join(line).rstrip() for line in lines)
     lines.insert(1, ["-" * width for width in widths])
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    return "\n".join(map(markdown_line, lines))
 
 
-def format_csv(table: Sequence[Sequence]) -> str:
+def format_csv(table: Sequence[Sequence[object]]) -> str:
     """Returns the rows as CSV."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(table)

@@ -1,0 +1,1 @@
+"""The simulated detector beside what the real one has done."""

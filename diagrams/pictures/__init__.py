@@ -1,0 +1,1 @@
+"""What pictures of scenes are rendered with."""

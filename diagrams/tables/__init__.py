@@ -1,0 +1,1 @@
+"""Numbers as text: cells, lines and whole tables."""
