@@ -2,7 +2,7 @@
 
 It holds the robot, the fixed models and the tracked objects of a scene, says
 how they are called and shaped, and how the robot's links move. The physics
-runs in contact models that are made of it.
+runs in particle plants that are made of it.
 """
 
 from dataclasses import dataclass
