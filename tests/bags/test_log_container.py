@@ -48,7 +48,7 @@ def test_what_a_file_is_is_told_by_its_content_not_its_name(tmp_path):
     assert read_small_log(path).warnings == ()
 
 
-def test_a_log_that_is_compressed_as_a_whole_isread_small_log(tmp_path):
+def test_a_log_that_is_compressed_as_a_whole_is_read(tmp_path):
     log = make_small_log(num_samples=3000)
     whole = write_ros1(tmp_path / "log", our_entries(log)).read_bytes()
     packed = tmp_path / "log.bag.zstd"

@@ -102,7 +102,7 @@ def test_a_topic_with_a_name_that_can_not_be_is_said(file, whole):
     assert has_warning(log, "left out the topic")
 
 
-def test_what_a_recorder_left_in_its_journal_isread_small_log(tmp_path, whole):
+def test_what_a_recorder_left_in_its_journal_is_read(tmp_path, whole):
     path = tmp_path / "live" / "log.db3"
     path.parent.mkdir()
     path.write_bytes(whole)
