@@ -8,7 +8,6 @@ are MuJoCo's defaults.
 
 import copy
 from itertools import pairwise
-from typing import Any
 from xml.etree import ElementTree as xml
 
 import numpy as np
@@ -166,7 +165,7 @@ def make_mjcf(scene: PeerScene) -> str:
     return xml.tostring(root, encoding="unicode")
 
 
-def _add_object(world: Any, item: PeerObject) -> None:
+def _add_object(world: xml.Element, item: PeerObject) -> None:
     body = xml.SubElement(world, "body", name=item.name)
     xml.SubElement(body, "freejoint", name=item.name)
     inertia = item.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
@@ -183,7 +182,7 @@ def _add_object(world: Any, item: PeerObject) -> None:
         geom.set("priority", "1")
 
 
-def _add_link(parent: Any, link: PeerLink, scene: PeerScene) -> None:
+def _add_link(parent: xml.Element, link: PeerLink, scene: PeerScene) -> None:
     body = xml.SubElement(parent, "body", _pose(link.X_PB), name=link.name)
     if link.joint:
         xml.SubElement(
@@ -207,7 +206,7 @@ def _add_link(parent: Any, link: PeerLink, scene: PeerScene) -> None:
 
 
 def _add_geom(
-    body: Any, shape: PeerShape, group: int, others: int = 0
+    body: xml.Element, shape: PeerShape, group: int, others: int = 0
 ) -> xml.Element:
     """Adds a shape; MuJoCo wants halves of lengths."""
     size = np.array(shape.size)
