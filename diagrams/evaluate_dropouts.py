@@ -2,10 +2,10 @@
 
 Robot, detections and dropouts are those that were recorded; nothing is
 simulated. At the first detection after every dropout, each method says where
-the block is before it knows that detection, and is compared with it. For that,
-there is one run for every dropout: the log up to then. The filters have once
-the noise of the paper's preset, which is DOPE's, and once the scene's, which is
-this camera's.
+the block is before it knows that detection, and is compared with it. So there
+is one run for every dropout, on the log up to then. The filters run twice: with
+the noise of the paper's preset, which fits DOPE, and with the scene's, which
+fits this camera.
 
 The recordings are those of robinzhoucmu/PlanarManipulationToolBox, one CSV file
 each; see two_finger_log.py for their columns.
@@ -51,14 +51,16 @@ from pbpf_drake.results.pose_errors import position_error, rotation_error
 from pbpf_drake.scene.prediction_model import MakePredictionModel
 from pbpf_drake.tracking.tracking_diagram import Track
 
-# Longer than the period: without a detection at one update at least.
+# A dropout is longer than this, just above the period, so that at least one
+# update has no detection (in seconds).
 _SHORTEST = 0.161
-# What is told apart, and what it is called in the table.
+# The kinds of dropouts, and what the table calls them.
 _KINDS = {
     "long": "pushed, 0.4 s or longer",
     "short": "pushed, shorter",
     "pause": "pause between pushes",
 }
+# From here on a dropout is long (in seconds).
 _LONG = 0.4
 _NOISES = ("paper", "camera")
 
@@ -102,7 +104,7 @@ def choose_config(
 def evaluate(job: Job) -> Row:
     """Tracks one run up to the end of one dropout; returns a row of results.
 
-    ``moved_m`` and ``moved_rad`` is how far the block got in the dropout,
+    ``moved_m`` and ``moved_rad`` say how far the block moved in the dropout,
     ``error_m`` and ``error_rad`` how far the estimate is from the detection
     that ends it (in meters and radians).
     """

@@ -1,12 +1,12 @@
 """Adds the filter to a station that is already built, and runs it by hand.
 
 A station is somebody else's diagram: all that is known of it are its exported
-ports. The filter is put beside it, and listens to them. On a real robot there
-is no simulation: a driver reads the robot, a detector reads the camera, and
-LiveFilter makes an update whenever it is time. No names of systems matter.
+ports. The filter is put beside it, and listens to them. No names of systems
+matter. On a real robot there is no simulation: a driver reads the robot, a
+detector reads the camera, and LiveFilter makes an update whenever one is due.
 
-The station here plays the log that comes with pbpf_drake; main() tracks it in
-both ways, which give the same.
+The station here plays the log that comes with pbpf_drake. main() tracks it in
+both ways, which give the same poses.
 """
 
 import sys

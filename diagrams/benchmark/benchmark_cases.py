@@ -42,7 +42,7 @@ Output = TypeVar("Output")
 
 @dataclass(frozen=True)
 class Case:
-    """So many particles, objects and threads (the filter has processes)."""
+    """What is varied. The filter's own threads are processes."""
 
     particles: int
     objects: int
@@ -58,9 +58,10 @@ class BenchmarkOptions:
     """What to measure.
 
     Attributes:
-        particles, objects, threads: every combination is a case.
-        updates: N, timed per case.
-        samples: updates whose predictions are compared.
+        particles, objects, threads: the numbers of each; every combination
+            is a case.
+        updates: how many are timed per case.
+        samples: of how many updates the predictions are compared.
         peers: whether other engines are measured too.
     """
 
@@ -85,8 +86,8 @@ class Benchmark:
 
     Attributes:
         measurements: in the order of the cases.
-        speedups: of independent processes, as many as the most threads; empty
-            with one thread.
+        speedups: how much faster independent processes are than one, as many
+            of them as the most threads; empty with one thread.
         notes: sentences to print.
     """
 
@@ -96,7 +97,7 @@ class Benchmark:
         *,
         on_measured: Callable[[Measurement], None] = lambda _: None,
     ) -> None:
-        """Measures nothing yet.
+        """Takes what to measure; Run does it.
 
         Args:
             options: what to measure.
@@ -112,7 +113,7 @@ class Benchmark:
         self.notes: list[str] = []
 
     def Run(self) -> None:
-        """Measures; what is found is in the attributes."""
+        """Measures all cases, and writes what it finds into the attributes."""
         particles, objects, threads = (
             sorted(set(values))
             for values in (
@@ -145,7 +146,7 @@ class Benchmark:
                 self._MeasurePeer(engine, case, run)
 
     def _Compare(self, case: Case, run: FilterRun) -> None:
-        """Makes the reference for K objects, and the filter's own errors."""
+        """Computes the reference for K objects, and the filter's errors."""
         scene = LoadWorkload(case.objects).scene
         config = replace(scene.filter, parallelism=max(self._options.threads))
         samples = make_samples(
@@ -221,7 +222,7 @@ class Benchmark:
 
 
 def _run_filter(case: Case, num_updates: int, keep_inputs: bool) -> FilterRun:
-    """Times the filter; this is what a process of its own does."""
+    """Times the filter; called in a process of its own."""
     benchmark = MakeFilterBenchmark(case)
     with _bar(num_updates, f"{OWN} {case}") as bar:
         run = RunFilter(
@@ -248,9 +249,10 @@ def _in_new_process(
     *args: Arguments.args,
     **kwargs: Arguments.kwargs,
 ) -> Output:
-    """Returns what a function does where nothing was done before.
+    """Calls a function in a process of its own; returns what it returns.
 
-    Memory that was freed would hide what the next case needs.
+    In this process, memory that earlier cases have freed would be used again,
+    so that nobody could see how much this case needs.
     """
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as pool:

@@ -1,8 +1,8 @@
-"""What the machine's cores are worth: independent processes that only compute.
+"""Measures how much faster independent processes are on this machine.
 
-Two virtual cores may be two threads of one core, and others may use them too.
-So the filter's speed-up with more processes is compared with that of some which
-have nothing in common, measured in the same run.
+Two virtual cores may be two threads of one core, and other programs may use
+them, too. So the best that the filter can reach with more processes is what
+processes reach that share nothing and only compute, measured in the same run.
 """
 
 import multiprocessing
@@ -15,9 +15,10 @@ _WORK = 1_000_000
 
 
 def MeasureProcessSpeedup(count: int, *, rounds: int = 7) -> float:
-    """Returns by what so many processes do more per second than one.
+    """Returns how many times as much processes compute per second as one.
 
-    One of them computes alone, then all do, and so on; the median counts.
+    In each round, one of them computes alone, and then all of them do. The
+    result is the median over the rounds.
 
     Args:
         count: of processes.

@@ -1,9 +1,10 @@
 """Runs the particle filter on a workload and times its updates by stage.
 
-The filter is the real one; its two models are wrapped, to note when they are
-called. What lies between their calls belongs to the other stages, in the order
-of ParticleFilterUpdate: resample, predict, add noise, resolve penetration,
-observe, see, estimate.
+The filter is the real one. Only its two models are wrapped, so that it is known
+when they are called and for how long. The time between two calls belongs to the
+stages between them, in the order of ParticleFilterUpdate: resample, predict,
+add noise, resolve penetration, weigh by detections, weigh by visibility,
+estimate.
 """
 
 from collections.abc import Callable, Iterator
@@ -46,7 +47,8 @@ STAGES = (
     "outputs",
     "total",
 )
-# What a model's method is, and what the filter does until it is called.
+# The stage that a model's method is, and the stage before that, which ends when
+# the method is called.
 _TIMED = {
     "Propagate": "motion",
     "ResolvePenetration": "penetration",
@@ -57,7 +59,8 @@ _BEFORE = {
     "penetration": "noise",
     "visibility": "observation",
 }
-# Of each pass through the log: first particles are drawn, memory is allocated.
+# So many updates at the start of each pass through the log aren't timed: the
+# first particles are drawn in them, and memory is allocated.
 WARM_UP = 5
 
 
@@ -72,13 +75,13 @@ class Call:
 
 @dataclass(frozen=True)
 class FilterRun:
-    """What a run of the filter has shown.
+    """What was measured of a run of the filter.
 
     Attributes:
         seconds: by stage, (N,) wall times of N updates.
         passes: inputs of the motion model at these updates, by the passes
             through the log.
-        bytes_per_particle: by which the process grew (in bytes).
+        bytes_per_particle: how much memory one more particle took (in bytes).
     """
 
     seconds: dict[str, np.ndarray]
@@ -87,7 +90,7 @@ class FilterRun:
 
 
 class TimedModel:
-    """Hands everything on to a model, and notes when it was called.
+    """Stands in for a model, and tells when it was called.
 
     Args:
         model: a MotionModel or a VisibilityModel.
@@ -102,7 +105,7 @@ class TimedModel:
         self._on_call = on_call
 
     def __getattr__(self, name: str) -> Any:
-        """Returns an attribute of the model; methods of it that are timed."""
+        """Returns an attribute of the model; a method of _TIMED is timed."""
         value = getattr(self._model, name)
         if name not in _TIMED:
             return value
@@ -239,7 +242,7 @@ def _make_filter(
     on_call: Callable[[Call, tuple[object, ...]], None],
     on_update: Callable[[float], None],
 ) -> PhysicsBasedParticleFilter:
-    """Makes what MakeParticleFilter makes, with models that are timed."""
+    """Makes the same as MakeParticleFilter, with models that are timed."""
     model = MakePredictionModel(scene)
     motion_model: Any = TimedModel(
         PhysicsMotionModel(model=model, config=config), on_call

@@ -15,9 +15,9 @@ _ROLLUP = Path("/proc/self/smaps_rollup")
 def MemoryInUse() -> int:
     """Returns how much memory this process and its children hold (in bytes).
 
-    What they share counts once; program files don't count, which other
-    programs share as well. Outside Linux it is the most that this process ever
-    held.
+    What these processes share counts once. Program files don't count: other
+    programs share them, too. Outside Linux, it is the most that this process
+    has ever held.
     """
     if _ROLLUP.exists():
         children = multiprocessing.active_children()

@@ -26,7 +26,7 @@ from pbpf_drake.motion.physical_parameters import (
 )
 from pbpf_drake.scene.prediction_model import MakePredictionModel
 
-# Those of the packages that they are in.
+# Called as the packages that have them.
 ENGINES = ("pybullet", "mujoco")
 
 
@@ -37,7 +37,7 @@ class Peer(Protocol):
         """Puts the robot somewhere, at rest, before a pass through the log."""
 
     def Prepare(self, parameters: PhysicalParameters) -> None:
-        """Takes θ of the next update."""
+        """Takes the particles' θ for the next update; this isn't timed."""
 
     def Update(self, motion: MotionInput) -> np.ndarray:
         """Returns the predicted poses, (M, K, 7); this is what is timed."""
@@ -75,7 +75,7 @@ def MakePeer(
 
 
 def CheckPeerPackages() -> None:
-    """Checks that the other engines are installed.
+    """Makes sure that the other engines are installed.
 
     Raises:
         ValueError: one isn't; the message says how to install it.
@@ -102,7 +102,7 @@ def RunPeer(
         peer: the engine.
         passes: inputs of the filter's motion model; see FilterRun.
         samples: taken from the same updates.
-        physics: what the other updates' θ are drawn from.
+        physics: the distribution of θ for updates that aren't samples.
         on_update: called after each update.
 
     Returns:

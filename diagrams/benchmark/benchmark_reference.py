@@ -24,9 +24,9 @@ from pbpf_drake.poses import quaternions
 from pbpf_drake.scene.prediction_model import PredictionModel
 
 _FINE_STEP = 2e-4
-# More particles of one update would tell little more.
+# So many particles of an update are compared; more would tell little more.
 _MAX_PARTICLES = 70
-# What the robot moves by more than this is pushed (in meters).
+# An object that moves by more than this in an update is pushed (in meters).
 _PUSHED = 5e-4
 
 
@@ -36,8 +36,8 @@ class Sample:
 
     Attributes:
         update: which of the timed updates it is.
-        motion: the first particles of this update's.
-        parameters: the θ of all of them, single numbers.
+        motion: the update's input, with its first particles only.
+        parameters: one θ for all objects and particles, of single numbers.
     """
 
     update: int
@@ -47,7 +47,7 @@ class Sample:
 
 @dataclass(frozen=True)
 class PredictionErrors:
-    """Of all particles and objects of all samples.
+    """How far off predictions are, over samples, particles and objects.
 
     Attributes:
         position: (n,) (in meters).
@@ -71,7 +71,7 @@ def make_samples(
         count: how many; at most one of each update.
     """
     count = min(count, len(motions))
-    # One generator: the samples are the same in every run.
+    # Always the same seed, so that the samples are the same in every run.
     rng = np.random.default_rng(0)
     friction, mass, dissipation = (
         rng.permutation(_even_draws(gaussian, count))
@@ -89,7 +89,7 @@ def make_samples(
 
 
 def _even_draws(gaussian: TruncatedGaussian, count: int) -> np.ndarray:
-    """Returns the middles of equal shares of a distribution, (count,)."""
+    """Returns the middles of equal shares of probability, (count,)."""
     quantiles = norm.ppf((np.arange(count) + 0.5) / count)
     draws = gaussian.mean + gaussian.stddev * quantiles
     return np.maximum(draws, gaussian.min)
@@ -135,7 +135,7 @@ def PredictSamples(
 
 
 def _always(parameters: PhysicalParameters) -> PhysicalParametersConfig:
-    """Returns a distribution that draws nothing else."""
+    """Returns a distribution whose draws are all these parameters."""
 
     def fix(value: np.ndarray) -> TruncatedGaussian:
         return TruncatedGaussian(mean=float(value), stddev=0.0, min=1e-9)
@@ -169,7 +169,7 @@ def compare_predictions(
 def pushed_share(
     samples: Sequence[Sample], references: Sequence[MotionResult]
 ) -> float:
-    """Returns how many of the objects the robot moves, in [0, 1]."""
+    """Returns which share of all objects the robot moves, in [0, 1]."""
     moved = [
         np.linalg.norm(r.poses[..., 4:] - s.motion.poses[..., 4:], axis=-1)
         for s, r in zip(samples, references, strict=True)

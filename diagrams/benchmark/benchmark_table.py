@@ -18,16 +18,16 @@ OWN = "pbpf"
 
 @dataclass(frozen=True)
 class Measurement:
-    """An engine, or the filter, with so many particles.
+    """What was measured of an engine, or of the filter, in one case.
 
     Attributes:
         engine: OWN, "pybullet" or "mujoco".
         particles: M.
         objects: K.
-        threads: or processes.
+        threads: their number, or that of processes.
         seconds: by stage, (N,) wall times of N updates; of other engines
             "motion" only.
-        errors: of the engine's predictions with so many objects.
+        errors: of the engine's predictions with K objects.
         bytes_per_particle: of memory; 0 where that isn't known.
     """
 
@@ -159,8 +159,8 @@ def error_table(measurements: Sequence[Measurement]) -> str:
 def engine_table(measurements: Sequence[Measurement]) -> str:
     """Returns a table of the times of all engines, case by case.
 
-    Those of others are predictions only, so the filter's own motion model is
-    what they compare with; its whole update stands beside it.
+    Other engines only predict, so they are compared with the filter's motion
+    model. The filter's whole update stands beside it.
     """
     times: dict[tuple[int, int, int], dict[str, float]] = {}
     for m in measurements:

@@ -2,9 +2,9 @@
 
 The time before the robot touches anything is easy for a motion model, so it is
 cut off. With one object the log is the default one, of Scene 1 of the paper;
-with three it is like its Scene 5. Both were made by record_scene.py. Detections
-are those of the log: they keep the particles at the objects until these are
-hidden, for the last 8 s of the one, and at times of two objects of the other.
+with three it is like its Scene 5. Both were made by record_scene.py. The log's
+detections keep the particles near the objects until these are hidden: the one
+object for the last 8 s, and two of the three from time to time.
 """
 
 from collections.abc import Iterable
@@ -25,8 +25,8 @@ from pbpf_drake.scene.scene_models import data_folder
 
 # Scenes and logs of this name, by the number of their tracked objects.
 WORKLOADS = {1: "cheezit_1", 3: "cheezit_gelatin_soup"}
-# An object that is this far from where it starts is pushed, and rests when it
-# is this near to where it ends (in meters).
+# A push begins when the object is this far from where it starts, and ends when
+# the object is this near to where it comes to rest (in meters).
 _MOVED = 1e-3
 
 
@@ -77,7 +77,7 @@ def find_push(truths: Iterable[PoseRecord]) -> tuple[float, float]:
 def cut_log(log: Log, begin: float, end: float) -> Log:
     """Returns the part of a log between two times, without ground truth.
 
-    Time 0 of it is that of the first joint state that is kept.
+    Its time 0 is that of the first joint state that is kept.
     """
     joints = log.joints
     keep = (joints.times >= begin) & (joints.times <= end)

@@ -8,7 +8,6 @@ are MuJoCo's defaults.
 
 import copy
 from itertools import pairwise
-from typing import Any
 from xml.etree import ElementTree as xml
 
 import numpy as np
@@ -28,11 +27,13 @@ from pbpf_drake.poses.pose_conversion import pose_array
 
 # The step of the physics (in seconds).
 _TIME_STEP = 0.004
-# In kg m² or kg; see prescribed_robot.
+# So large that nothing the robot touches slows it down (in kg m² or kg).
 _ARMATURE = 1e5
-# Corners of the robot's motion that are cut (in radians or meters).
+# How far the robot may be off its path where that is simplified (in radians or
+# meters).
 _PATH_TOLERANCE = 5e-4
-# Bits of what collides with what: objects with everything, nothing else.
+# The bits by which MuJoCo knows what collides: objects do with everything, and
+# nothing else does.
 _ROBOT, _OBJECT, _FIXED = 1, 2, 4
 
 
@@ -84,7 +85,7 @@ class MuJoCoPeer:
         self._rollout.close()
 
     def Reset(self, q: np.ndarray) -> None:
-        """Needs none: every update sets the robot."""
+        """Does nothing: every update sets the robot anyway."""
 
     def Prepare(self, parameters: PhysicalParameters) -> None:
         """Writes θ into the models."""
@@ -98,7 +99,7 @@ class MuJoCoPeer:
                 model.body_inertia[body] = scale * self._inertias[k]
                 geoms = model.geom_bodyid == body
                 model.geom_friction[geoms, 0] = friction[m, k]
-            # What MuJoCo derives from masses.
+            # MuJoCo derives other constants from masses.
             self._mujoco.mj_setConst(model, self._data[0])
 
     def Update(self, motion: MotionInput) -> np.ndarray:
@@ -164,7 +165,7 @@ def make_mjcf(scene: PeerScene) -> str:
     return xml.tostring(root, encoding="unicode")
 
 
-def _add_object(world: Any, item: PeerObject) -> None:
+def _add_object(world: xml.Element, item: PeerObject) -> None:
     body = xml.SubElement(world, "body", name=item.name)
     xml.SubElement(body, "freejoint", name=item.name)
     inertia = item.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
@@ -177,11 +178,11 @@ def _add_object(world: Any, item: PeerObject) -> None:
     )
     for shape in item.shapes:
         geom = _add_geom(body, shape, _OBJECT, _ROBOT | _OBJECT | _FIXED)
-        # Its friction alone counts, not the larger one of the two.
+        # So that the object's friction counts, not the larger one of the two.
         geom.set("priority", "1")
 
 
-def _add_link(parent: Any, link: PeerLink, scene: PeerScene) -> None:
+def _add_link(parent: xml.Element, link: PeerLink, scene: PeerScene) -> None:
     body = xml.SubElement(parent, "body", _pose(link.X_PB), name=link.name)
     if link.joint:
         xml.SubElement(
@@ -193,7 +194,7 @@ def _add_link(parent: Any, link: PeerLink, scene: PeerScene) -> None:
             pos=_join(link.p_BJ),
             armature=str(_ARMATURE),
         )
-    # The armatures are all that matters.
+    # Their inertias don't matter beside the armatures.
     xml.SubElement(
         body, "inertial", pos="0 0 0", mass="1", diaginertia="0.01 0.01 0.01"
     )
@@ -205,9 +206,9 @@ def _add_link(parent: Any, link: PeerLink, scene: PeerScene) -> None:
 
 
 def _add_geom(
-    body: Any, shape: PeerShape, group: int, others: int = 0
+    body: xml.Element, shape: PeerShape, group: int, others: int = 0
 ) -> xml.Element:
-    """Adds a shape; MuJoCo takes half lengths."""
+    """Adds a shape; MuJoCo wants halves of lengths."""
     size = np.array(shape.size)
     size = size / 2 if shape.kind == "box" else size * [1, 0.5][: len(size)]
     return xml.SubElement(

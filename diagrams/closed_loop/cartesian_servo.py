@@ -1,7 +1,8 @@
-"""From positions of a robot's fingertip to those of its joints.
+"""Moves a robot's joints so that its fingertip is where it has to be.
 
-Differential inverse kinematics: the joints move so that the fingertip moves
-towards where it has to be, and the hand keeps its orientation.
+This is differential inverse kinematics: it finds the joint velocities with
+which the fingertip moves to the wanted place while the hand keeps its
+orientation.
 """
 
 import numpy as np
@@ -17,12 +18,12 @@ from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from pbpf_drake.truth.push_path import ActuatedJoints
 
-# Of the pseudo-inverse, so that joints stay slow near a singularity.
+# Damps the pseudo-inverse, so that joints stay slow near a singularity.
 _DAMPING = 1e-2
 
 
 class CartesianServo(LeafSystem):
-    """Makes joint commands of positions of a fingertip.
+    """Turns positions of a fingertip into commands for joints.
 
     .. pydrake_system::
 

@@ -1,11 +1,11 @@
 """Where to move a fingertip so that it pushes an object to a goal.
 
-It pushes from behind, as seen from the goal, straight on: an object that lies
-flat against the fingertip comes along with it. A fingertip that slides along an
-object turns it, so the place is chosen before the two touch, and corrected a
-little only. Where that isn't enough, the fingertip goes around the object, at a
-distance, until it is behind it again. All that has to be known of the object is
-where it is now.
+It pushes straight on from the side that faces away from the goal: an object
+that lies flat against the fingertip comes along with it. A fingertip that
+slides along an object turns it. So where to touch is decided before the two
+touch, and only corrected a little afterwards. If that isn't enough, the
+fingertip goes around the object at a distance until it is behind it again. All
+that has to be known of the object is where it is now.
 """
 
 from dataclasses import dataclass
@@ -15,18 +15,21 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-# By how much more the fingertip's way is off the straight one than it is itself
-# off the point behind the object: before they touch, and then.
+# Where the fingertip is off the line through goal and object by some angle, its
+# direction is off that line by so many times the angle, to the other side:
+# before they touch, and afterwards.
 _APPROACH_GAIN = 4.0
 _PUSH_GAIN = 1.0
-# Nearer than this to the object's centre it may touch (in meters).
+# Nearer than this to the object's centre, the fingertip may touch the object
+# (in meters).
 _NEAR = 0.07
-# Further off the point behind the object than this, it goes around (in
+# If it is off that line by more than this, it goes around the object (in
 # radians).
 _ASIDE = np.pi / 4
 # How far from the object's centre the fingertip goes around it (in meters).
 _CLEARANCE = 0.085
-# How much of that may be missing until it moves outwards at 45 degrees.
+# If it is nearer to the centre by this much, it moves outwards at 45 degrees
+# (in meters); in between, at a smaller angle.
 _SLACK = 0.02
 
 
@@ -44,7 +47,8 @@ def push_direction(
     aside = np.array([-ahead[1], ahead[0]])
     offset = fingertip - center
     distance = np.linalg.norm(offset)
-    # 0 behind the object, pi in front of it, less than 0 on the other side.
+    # The angle by which the fingertip is off the point behind the object; it is
+    # positive to the left, as seen towards the goal.
     around = np.arctan2(offset @ aside, -(offset @ ahead))
     gain = _APPROACH_GAIN if distance > _NEAR else _PUSH_GAIN
     outwards = np.clip((_CLEARANCE - distance) / _SLACK, -1, 1) * np.pi / 4

@@ -21,11 +21,11 @@ from pbpf_drake.truth.visibility_camera import (
 
 @dataclass
 class _Memory:
-    """What the detector knows; copied with the context.
+    """The detector's state; it is copied with the context.
 
     Attributes:
         detector: with the state of its random generator.
-        next: what it will answer for the last image.
+        next: its answer to the last image, which isn't out yet.
     """
 
     detector: SimulatedDetector
@@ -35,9 +35,9 @@ class _Memory:
 class SimulatedCamera(LeafSystem):
     """Detects the objects of a truth that the scene's camera sees.
 
-    Every image is rendered; what is hidden in it isn't detected, or wrongly:
-    see SimulatedDetector. The answer is out when the detector's latency has
-    passed.
+    Every image is rendered. An object that is hidden in it isn't detected, or
+    is detected in a wrong place: see SimulatedDetector. The detector answers
+    when its latency has passed.
 
     .. pydrake_system::
 
@@ -53,17 +53,17 @@ class SimulatedCamera(LeafSystem):
     Output ``visibility``: (K,) visible shares of the objects in the last
     image, in [0, 1].
 
-    State: the detector and its last answer are abstract, the shares are
-    discrete. Events: an image every period of the detector, and an answer as
-    often.
+    State: the detector and its last answer, which are abstract, and the shares,
+    which are discrete. Events: in every period of the detector an image, and
+    an answer when the latency has passed.
 
     Args:
         scene: its ``recording.detector`` says how the detector errs.
         num_states: of the plant.
-        rng: where all errors are drawn from.
+        rng: all errors are drawn from it.
 
     Raises:
-        ValueError: the detector hasn't answered before the next image.
+        ValueError: the detector would answer only after the next image.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What an estimator would say that is never wrong."""
+"""Says what an estimator would say that is never wrong."""
 
 from collections.abc import Sequence
 

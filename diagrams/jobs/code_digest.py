@@ -1,7 +1,7 @@
 """A digest of the code that a result depends on.
 
-It is that of a module and of all modules of this package that it imports, one
-from the other. Comments, docstrings and layout don't count.
+It covers a module and all modules of this package that it imports, directly or
+through others. Comments, docstrings and layout don't count.
 """
 
 import ast
@@ -13,7 +13,7 @@ from pathlib import Path
 import platform
 
 _PACKAGE = "pbpf_drake"
-# What computes, or reads and writes; another version may do something else.
+# Packages whose other versions may give other results.
 _DEPENDENCIES = ("drake", "numpy", "scipy", "mcap", "mcap-ros2-support")
 
 
@@ -52,7 +52,7 @@ def _imported(module: str) -> dict[str, Path]:
 
 
 def _imports(tree: ast.Module) -> list[str]:
-    """Returns the names of what may be modules that are imported."""
+    """Returns the names that are imported, some of which are modules."""
     names = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):

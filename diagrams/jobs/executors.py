@@ -60,7 +60,7 @@ def ClusterExecutor(address: str) -> Iterator[Executor]:
 def _end_with_parent() -> None:
     """Lets this process end when the one that started it is killed.
 
-    Or when both are interrupted from the keyboard; then without a word.
+    It also ends, without a message, when both are interrupted by Ctrl-C.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     parent = multiprocessing.parent_process()

@@ -1,8 +1,8 @@
 """The key of a job: all that its result depends on.
 
-Who asks for a result computes the key, to look for it among the stored ones.
-Who computes the result computes the key as well: on another machine, or hours
-later, code or files may be others.
+The program that asks for a result computes the key, to look for it among the
+stored ones. The process that computes the result computes the key again: on
+another machine, or hours later, code or files may have changed.
 """
 
 from collections.abc import Mapping
@@ -21,8 +21,8 @@ def check_key(asked: JobKey, found: JobKey) -> None:
     """Raises ValueError unless both keys are the same.
 
     Args:
-        asked: the key of who asks for a result.
-        found: that of who computes it.
+        asked: the key of the program that asks for a result.
+        found: the key of the process that computes it.
     """
     other = [name for name in found if asked.get(name) != found[name]]
     if other:

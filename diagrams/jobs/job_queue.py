@@ -1,4 +1,4 @@
-"""Runs many jobs on any executor, whatever becomes of some of them."""
+"""Runs many jobs on any executor, even if some of them fail or die."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ from typing import Any, Generic, TypeVar
 
 Output = TypeVar("Output")
 
-# How often a job may take its process with it while it runs alone.
+# A job whose process dies so often while it runs alone has failed.
 _ATTEMPTS = 2
 
 
@@ -25,7 +25,7 @@ class Job(Generic[Output]):
     """Something to compute.
 
     Attributes:
-        name: to call it.
+        name: what to call it.
         function: what to compute; other processes import it.
         arguments: of the function.
         cost: how long it takes, in any unit.
@@ -59,10 +59,10 @@ def RunJobs(
 ) -> None:
     """Runs all jobs; one that fails doesn't stop the others.
 
-    If a process dies, the executor of concurrent.futures is broken, and which
-    job it was isn't known; a cluster whose scheduler is lost cancels all that
-    it was given. Then a new one is made, and those that were under way run
-    again, one at a time: the one to blame dies alone.
+    If a process dies, the executor of concurrent.futures is broken, and nobody
+    knows which job it was. A cluster that loses its scheduler cancels all jobs
+    that it was given. In both cases a new executor is made, and the jobs that
+    were running run again, one at a time, so that a deadly job dies alone.
 
     Args:
         jobs: what to run, in this order.
@@ -97,10 +97,10 @@ def _drain(
     on_done: Callable[[Job[Output], Output], None],
     on_failure: Callable[[Job[Output], str], None],
 ) -> dict[Job[Output], str]:
-    """Runs a queue until it is empty, or until the executor is lost.
+    """Runs a queue until it is empty or the executor is lost.
 
     Returns:
-        The jobs that were under way when it was, and what became of them.
+        The jobs that were running when the executor was lost, and why.
     """
     running: dict[Future[Output], Job[Output]] = {}
     lost: dict[Job[Output], str] = {}
@@ -111,7 +111,7 @@ def _drain(
                 try:
                     future = executor.submit(job.function, *job.arguments)
                 except Exception as error:
-                    # Each in its own way says that it is broken or closed.
+                    # Each executor has its own error for being lost.
                     lost[job] = _describe(error)
                 else:
                     running[future] = job
@@ -129,7 +129,7 @@ def _drain(
                 else:
                     on_done(job, result)
     except BaseException:
-        # Whatever isn't under way yet need not be waited for.
+        # Nobody needs the results of those that haven't started yet.
         for future in running:
             future.cancel()
         raise

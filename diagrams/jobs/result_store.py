@@ -1,7 +1,7 @@
-"""A folder of small results, each in one file that is written at once.
+"""A folder of results, each in a file of its own.
 
-A file is there as a whole or not at all, whenever the program is killed. A
-file that was damaged since is as good as none, and that is said.
+Whenever the program is killed, each file is complete or isn't there. A file
+that was damaged later is removed, and a note says so.
 """
 
 import glob

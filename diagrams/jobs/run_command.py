@@ -1,9 +1,9 @@
-"""Runs a command, and turns what ends it into a sentence."""
+"""Runs a command, and says in a sentence why it failed."""
 
 from collections.abc import Callable
 import sys
 
-# What shells give a command that SIGINT ended.
+# The exit code that shells report for a command that SIGINT has ended.
 _INTERRUPTED = 130
 
 
@@ -11,9 +11,9 @@ def RunCommand(name: str, run: Callable[[], None]) -> int:
     """Returns the exit code of a command.
 
     Args:
-        name: of the command; what goes wrong is printed behind it.
-        run: does what the command is for; a ValueError or an OSError that it
-            raises is the user's to read.
+        name: of the command; error messages start with it.
+        run: does what the command is for. It raises a ValueError or an OSError
+            with a message for the user.
     """
     try:
         run()

@@ -18,7 +18,7 @@ from pbpf_drake.config.scene_config import LoadScene, Scene
 from pbpf_drake.diagrams.jobs.scene_run import scene_path
 from pbpf_drake.scene.scene_models import MakePackageMap
 
-# What refers to other files, and how.
+# The endings of files that may refer to others, and how they do.
 _TEXTS = (".sdf", ".urdf", ".xml")
 _REFERENCE = re.compile(
     r"<uri>\s*([^<]+?)\s*</uri>|\bfile(?:name)?=[\"']([^\"']+)[\"']"
@@ -27,13 +27,13 @@ _REFERENCE = re.compile(
 
 @dataclass(frozen=True)
 class SceneFiles:
-    """A scene as its files say it now.
+    """A scene as its files have it now.
 
     Attributes:
         scene: what they say.
-        recorded_digest: of all that a recording depends on.
-        tracked_digest: of all that tracking a log depends on, but for the
-            filter's configuration.
+        recorded_digest: covers all that a recording depends on.
+        tracked_digest: covers all that tracking a log depends on, except for
+            the filter's configuration.
     """
 
     scene: Scene
@@ -76,14 +76,14 @@ def _digest(
 def _models_digest(scene: Scene) -> str:
     """Returns the digest of all files that may say what the models are.
 
-    These are the files of the models, what these refer to, and whatever lies
-    beside either; but not scenes that lie there.
+    These are the files of the models, the files that these refer to, and all
+    files in the same folders, except for scenes.
     """
     packages = MakePackageMap(scene)
     flat = FlattenModelDirectives(
         ModelDirectives(directives=scene.directives), packages
     )
-    # As text, so that it says what nested files of directives said.
+    # The flat directives include those of files that the scene's refer to.
     digest = hashlib.sha256(str(flat.directives).encode())
     waiting = [
         Path(packages.ResolveUrl(directive.add_model.file)).parent
@@ -114,13 +114,13 @@ def _files(folder: Path) -> list[Path]:
 
 
 def _references(file: Path, packages: PackageMap) -> Iterator[Path]:
-    """Yields the folders of what a model's file refers to, where there."""
+    """Yields the folders of the files that a model's file refers to."""
     for groups in _REFERENCE.findall(file.read_text(errors="replace")):
         name = "".join(groups)
         try:
             path = Path(packages.ResolveUrl(name))
         except RuntimeError:
-            # Drake says so where the model is used, if it is.
+            # If it is really missing, Drake says so when it loads the model.
             path = file.parent / name
         if path.exists():
             yield path if path.is_dir() else path.parent

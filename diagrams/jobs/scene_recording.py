@@ -1,8 +1,8 @@
 """The log of one simulated run of a scene.
 
-It is a pure function of its key, so that it can be recorded anywhere, and
-stored. A worker on another machine needs this package, and a scene file of
-one's own under the same path.
+It is a pure function of its key, so it can be recorded anywhere, and stored. A
+worker on another machine needs this package and, if the scene is a user's own
+file, that file under the same path.
 """
 
 from pathlib import Path
@@ -36,11 +36,11 @@ def record(scene_run: SceneRun, key: JobKey) -> bytes:
 
     Args:
         scene_run: which.
-        key: the recording_key of who asks.
+        key: the recording_key of the program that asks.
 
     Raises:
-        ValueError, FileNotFoundError: the scene can't be recorded, or the key
-            here is another.
+        ValueError, FileNotFoundError: the scene can't be recorded, or this
+            process finds another key.
     """
     files = ReadSceneFiles(scene_run.scene)
     check_key(key, recording_key(scene_run, files))

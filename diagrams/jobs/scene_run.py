@@ -12,7 +12,7 @@ class SceneRun:
 
     Attributes:
         scene: the name of a scene of this package, or the path of a file.
-        run: which run; all that differs between runs is a function of it.
+        run: its number, which decides on all that differs between runs.
         duration: of the log (in seconds); None is the scene's.
     """
 

@@ -1,4 +1,4 @@
-"""Runs those jobs whose results aren't stored yet, and stores them."""
+"""Runs the jobs whose results aren't stored yet, and stores the results."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -32,13 +32,14 @@ def RunStoredJobs(
     ahead: int,
     title: str,
 ) -> tuple[dict[str, bytes], list[Failure]]:
-    """Returns all results; what isn't stored is computed, and stored at once.
+    """Returns all results; those that aren't stored are computed, and stored.
 
-    A progress bar shows how many there are, and the time left.
+    Each is stored as soon as it is there. A progress bar shows how many there
+    are, and the time left.
 
     Args:
-        stored_jobs: with names that differ.
-        store: where results are, and go.
+        stored_jobs: with different names.
+        store: where results are, and where new ones go.
         make_executor, ahead: see RunJobs.
         title: of the progress bar.
 
@@ -92,13 +93,13 @@ def _make_bar(
     missing: Mapping[str, StoredJob],
     title: str,
 ) -> tqdm:
-    """Returns a bar whose time left is by cost, of what isn't stored."""
+    """Returns a bar that estimates the time left by the jobs' costs."""
     costs = {s.job.name: s.job.cost for s in stored_jobs}
     return tqdm(
         total=sum(costs.values()),
         initial=sum(c for name, c in costs.items() if name not in missing),
         desc=title,
-        # The mean speed so far: jobs end in bursts.
+        # By the mean speed so far, as jobs end in bursts.
         smoothing=0,
         bar_format="{desc}: {percentage:3.0f}%|{bar}|{postfix} "
         "[{elapsed}, {remaining} left]",
@@ -108,5 +109,5 @@ def _make_bar(
 def _advance(bar: tqdm, job: Job[bytes] | None, done: int, total: int) -> None:
     bar.set_postfix_str(f"{done} of {total}", refresh=job is None)
     if job is not None:
-        # The costs' sum differs from their total by rounding.
+        # Rounding may make the sum of the costs exceed their total.
         bar.update(min(job.cost, bar.total - bar.n))

@@ -1,9 +1,9 @@
 """Figures of the errors over time, with 95 % confidence bands.
 
-A line is the mean over runs, of which each is the mean over its repeats. The
-band says where the mean of many more runs would be; with one run, it is over
-the repeats. As in error_plot, what never follows the object doesn't flatten all
-others: CVPF is cut off.
+A line is the mean over runs, and the error of a run is the mean over its
+repeats. The band says where the mean of many more runs would be. Where there is
+only one run, line and band are over its repeats. The range is chosen without
+CVPF, which doesn't follow the object and would flatten all other lines.
 """
 
 from collections.abc import Sequence
@@ -64,7 +64,7 @@ def MakeBandFigure(results: Sequence[Result]) -> Figure:
 def stack_samples(
     results: Sequence[Result], name: str, metric: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the errors over time of each run, or each repeat of a run.
+    """Returns the errors over time of each run, or of each repeat of one run.
 
     Args:
         results: of one scene and one method.
@@ -72,8 +72,8 @@ def stack_samples(
         metric: one of METRICS.
 
     Returns:
-        Times (T,), those of the longest result, and errors (R, T), the means
-        over the repeats; NaN where no repeat is known.
+        The times (T,) of the longest result, and the errors (R, T), which are
+        means over repeats; NaN where no repeat has a known error.
     """
     times = max((r.times for r in results), key=len)
     single = len({r.run for r in results}) == 1

@@ -1,9 +1,9 @@
 """One evaluation of a method on the log of one run.
 
-It is a pure function of its key, so that it can be computed anywhere, and
-stored. It takes and returns bytes, and reads only the scene's files: a worker
-on another machine needs this package, and a scene file of one's own under the
-same path.
+It is a pure function of its key, so it can be computed anywhere, and stored. It
+takes and returns bytes, and reads only the scene's files. A worker on another
+machine needs this package and, if the scene is a user's own file, that file
+under the same path.
 """
 
 from collections.abc import Mapping
@@ -40,7 +40,7 @@ from pbpf_drake.scene.object_points import MakeObjectPoints
 from pbpf_drake.scene.prediction_model import MakePredictionModel
 from pbpf_drake.tracking.tracking_diagram import DefaultConfig, Track
 
-# Of every object and update; the rotations in radians, the others in meters.
+# Known for every object and update; rotations in radians, others in meters.
 METRICS = ("position", "rotation", "symmetric_rotation", "add", "add_s", "mssd")
 
 
@@ -90,8 +90,8 @@ def evaluation_config(
 ) -> ParticleFilterConfig:
     """Returns the configuration of a method's filter for an evaluation.
 
-    No two evaluations of a scene have the same seed, but for the methods. None
-    depends on how fast the machine is.
+    All evaluations of a scene have different seeds, except that the methods
+    share them. No result depends on how fast the machine is.
     """
     config = DefaultConfig(scene, evaluation.method)
     if evaluation.particles is not None:
@@ -112,7 +112,7 @@ def evaluation_key(
         files: its scene's.
     """
     config = asdict(evaluation_config(evaluation, files.scene))
-    # Results don't depend on it.
+    # Results don't depend on how many processes there are.
     del config["parallelism"]
     return {
         "scene": files.tracked_digest,
@@ -129,11 +129,11 @@ def evaluate(evaluation: Evaluation, log: bytes, key: JobKey) -> bytes:
     Args:
         evaluation: what to evaluate.
         log: the MCAP file of its run.
-        key: the evaluation_key of who asks.
+        key: the evaluation_key of the program that asks.
 
     Raises:
-        ValueError, FileNotFoundError: the log can't be tracked, or the key
-            here is another.
+        ValueError, FileNotFoundError: the log can't be tracked, or this
+            process finds another key.
     """
     files = ReadSceneFiles(evaluation.scene_run.scene)
     check_key(key, evaluation_key(evaluation, log, files))
@@ -201,7 +201,7 @@ def compute_metrics(
 
 
 def read_result(evaluation: Evaluation, data: bytes) -> Result:
-    """Returns what evaluate has made."""
+    """Returns the result that evaluate has written."""
     content = json.loads(data)
     return Result(
         scene=scene_name(evaluation.scene_run.scene),

@@ -1,15 +1,16 @@
 """Means over runs, and how sure they are.
 
 The paper pools the errors of all time steps of all evaluations. How sure a
-difference is depends on the number of runs, not on that of time steps or
-repeats, which share the same images: so runs are drawn anew, with replacement
-(bootstrap). Where there is one run, its repeats are drawn instead; that says
-nothing about other runs.
+difference is depends on the number of runs, not on the number of time steps or
+repeats, which share the same images. So confidence intervals are found by
+drawing runs with replacement (bootstrap). Where there is only one run, its
+repeats are drawn instead; that says nothing about other runs.
 
 The intervals of ten runs are a little short: they hold the truth about nine
-times in ten. So whether two methods differ is not read from them, but from a
-test that is exact for any number of runs: if the methods were equal, each
-run's difference would be as likely to have the other sign.
+times in ten. So whether two methods differ is decided by a test that is exact
+for any number of runs. It asks how likely the differences are if each run's
+difference could as well have the other sign, as it could if the methods were
+equal.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,12 +23,14 @@ from scipy import stats
 from pbpf_drake.diagrams.paper.evaluation import Result
 
 _CONFIDENCE = 0.95
-# A difference is significant if chance alone makes as large a one less often.
+# A difference is significant if chance alone makes one as large less often than
+# this.
 _SIGNIFICANCE = 0.05
 _RESAMPLES = 9999
 _BAND_RESAMPLES = 4000
-# With fewer, all differ to the same side by chance more often than that:
-# 2 / 2^6 is the first that is below.
+# With fewer samples nothing is significant: the chance that n samples all
+# differ to the same side is 2 / 2^n, which is below _SIGNIFICANCE from n = 6
+# on.
 _FEWEST = 6
 
 _Statistic = Callable[..., np.ndarray]
@@ -47,11 +50,11 @@ class Comparison:
     """How the mean errors of two methods compare.
 
     Attributes:
-        difference: of the first's mean less the second's.
-        ratio: of the first's mean over the second's.
+        difference: the first mean minus the second.
+        ratio: the first mean over the second.
         p_value: how often chance alone makes a difference as large, of either
             sign (paired permutation test).
-        over: "runs" or "repeats", what was drawn anew.
+        over: "runs" or "repeats", whichever are the samples.
         count: how many of them there are.
     """
 
@@ -148,7 +151,7 @@ def confidence_band(
 
     Args:
         samples: (R, T) errors of R runs, NaN where unknown.
-        rng: draws runs anew.
+        rng: draws runs with replacement.
 
     Returns:
         Mean, low and high, (T,) each; NaN where no run is known. With one run
@@ -166,7 +169,7 @@ def confidence_band(
     drawn = means(
         rng.multinomial(number, np.full(number, 1 / number), _BAND_RESAMPLES)
     )
-    # A draw may lack all runs that are known at a time.
+    # A draw may have none of the runs that are known at a time.
     drawn = np.where(np.isfinite(drawn), drawn, mean)
     tail = 50 * (1 - _CONFIDENCE)
     low, high = np.percentile(drawn, [tail, 100 - tail], axis=0)
@@ -176,9 +179,10 @@ def confidence_band(
 def _fill(
     means: dict[int, float], other: dict[int, float], results: Sequence[Result]
 ) -> dict[int, float]:
-    """Returns the only value for each of the other's repeats, of DOPE.
+    """Returns means for all repeats that the other method has, if it's DOPE.
 
-    It draws nothing at random, so that all of its repeats are the same.
+    DOPE draws nothing at random, so it is evaluated once, and each of its
+    repeats would have the same mean.
     """
     if means and {result.method for result in results} == {"dope"}:
         return dict.fromkeys(other, *means.values())
@@ -196,8 +200,8 @@ def _ratio(a: np.ndarray, b: np.ndarray, axis: int = -1) -> np.ndarray:
 def _p_value(pairs: tuple[np.ndarray, np.ndarray]) -> float:
     """Returns how often chance alone makes as large a mean difference.
 
-    All signs of the differences are tried, or so many of them at random as
-    the bootstrap draws.
+    All combinations of signs are tried, or _RESAMPLES random ones if there are
+    more than that.
     """
     return float(
         stats.permutation_test(
@@ -216,7 +220,7 @@ def _bootstrap(
 ) -> Interval:
     """Returns a statistic of paired samples, with its interval.
 
-    It is the bias-corrected and accelerated one (BCa), where there is one.
+    The interval is the bias-corrected and accelerated one (BCa) if it exists.
     """
     value = float(statistic(*pairs))
     if not np.isfinite(value):
@@ -226,7 +230,7 @@ def _bootstrap(
         for i in range(len(pairs[0]))
     ]
     if np.ptp(left_out) <= 1e-12 * max(abs(value), 1e-300):
-        # All samples say the same.
+        # All samples are equal, for which no interval is defined.
         return Interval(value, value, value)
     interval = _interval(pairs, statistic, "BCa")
     if not np.all(np.isfinite(interval)):

@@ -85,6 +85,6 @@ def paper_methods(scene: str) -> tuple[str, ...]:
 def paper_runs_and_repeats(scene: str) -> tuple[int, int]:
     """Returns how many runs of a scene, and evaluations of each, there were.
 
-    Those of Scenes 1 to 4, for a scene that isn't the paper's.
+    For a scene that isn't the paper's, they are those of Scenes 1 to 4.
     """
     return _RUNS_AND_REPEATS.get(scene, (10, 10))

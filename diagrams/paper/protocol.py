@@ -15,14 +15,14 @@ from pbpf_drake.diagrams.paper.paper_values import (
     paper_runs_and_repeats,
 )
 
-# How long an update of one particle and object takes without physics, over
-# how long it takes with it.
+# How much of the time of an update with physics one without physics takes, for
+# each particle and object.
 _COST_WITHOUT_PHYSICS = 0.02
 
 
 @dataclass(frozen=True)
 class Protocol:
-    """What to evaluate, how often. None is what the paper did.
+    """What to evaluate, and how often. None stands for what the paper did.
 
     Attributes:
         scenes: names or files.
@@ -115,5 +115,5 @@ def recording_cost(scene_run: SceneRun) -> float:
 
 @functools.cache
 def _load_scene(scene: str) -> Scene:
-    """Returns a scene that is only looked at."""
+    """Returns a scene to look at, but not to change: it is shared."""
     return LoadScene(scene_path(scene))

@@ -5,8 +5,8 @@ capture's pose of the block's centre; pusher_x, pusher_y [m]: the sensed
 position of the probe; new_pose: 1 where the block's pose is a new sample. The
 data are those of mcubelab/cpush.
 
-The detector is simulated: motion capture plus noise at 15 Hz, and nothing
-while the camera is said to be blocked.
+The detector is simulated: it sees the motion capture's pose with noise at 15
+Hz, and nothing in a blackout, when the camera is said to be blocked.
 """
 
 from pathlib import Path
@@ -32,7 +32,8 @@ from pbpf_drake.log.pose_interpolation import interpolate_poses
 _JOINT_NAMES = ("pusher_x", "pusher_y")
 _OBJECT = ("slider_x", "slider_y", "slider_theta")
 _DETECTION_RATE = 15.0
-# Of each axis of the position (in meters) and of the rotation (in radians).
+# Noise about each axis: of the position (in meters) and of the rotation (in
+# radians).
 _POSITION_STDDEV = 0.02
 _ROTATION_STDDEV = 0.09
 # An arbitrary date: the recordings have none.
@@ -53,7 +54,7 @@ def ReadPlanarPush(
     Args:
         filename: the CSV file.
         seed: of the noise of the detections.
-        X_WC: pose of the camera in which they are expressed.
+        X_WC: pose of the camera in which detections are expressed.
         height: of the block's centre above the table (in meters).
         object_name: the name of the tracked model.
         blackout: between which shares of the duration nothing is detected.
@@ -63,7 +64,7 @@ def ReadPlanarPush(
     """
     rows = read_rows(filename, ["t", *_OBJECT, *_JOINT_NAMES, "new_pose"])
     times = rows["t"] - rows["t"][0]
-    # The new samples of the motion capture; the first counts as one.
+    # Rows in which the motion capture has a new sample, and the first row.
     new = rows["new_pose"] > 0
     new[0] = True
     truth = planar_poses(times[new], stack_columns(rows[new], _OBJECT), height)

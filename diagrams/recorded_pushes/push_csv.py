@@ -1,6 +1,7 @@
-"""What recorded planar pushes (CSV) have in common on their way into a log.
+"""Reads recorded planar pushes from CSV files.
 
-A file has the names of its columns in the first line, and then a row per time.
+The first line of a file has the names of its columns; then there is a row per
+time.
 """
 
 from collections.abc import Iterable, Sequence
@@ -19,8 +20,8 @@ def read_rows(filename: str | Path, columns: Sequence[str]) -> np.ndarray:
 
     Args:
         filename: the CSV file.
-        columns: those that it must have, with a number in every row; the
-            order in the file is any, and others may be there.
+        columns: names of columns that the file must have, in any order and
+            with a number in every row. There may be others.
 
     Raises:
         ValueError: the file lacks a column, rows, or a number in one, or its
@@ -73,7 +74,7 @@ def MakeDetections(
     poses: Iterable[np.ndarray],
     X_WC: RigidTransform,
 ) -> tuple[DetectionRecord, ...]:
-    """Returns a detection per time, which is known at once.
+    """Returns a detection per time, which is known without any delay.
 
     Args:
         object_name: the name of the tracked model.

@@ -6,9 +6,10 @@ pusher_theta [rad]: the sensed point midway between the fingers and the
 direction in which they push. The data are those of
 robinzhoucmu/PlanarManipulationToolBox.
 
-The detections are real, and missing where the camera's were. Between two pushes
-nothing was recorded for some seconds, while the robot takes its fingers to
-another side of the block. There they are taken to be lifted, moved and lowered.
+The detections are real, and so are the times without one. Between two pushes
+nothing was recorded for some seconds, while the robot moved its fingers to
+another side of the block. The log has the fingers lifted, moved and lowered
+there.
 """
 
 from dataclasses import replace
@@ -28,7 +29,8 @@ from pbpf_drake.log.log_records import JointRecord, Log
 JOINT_NAMES = ("pusher_x", "pusher_y", "pusher_z", "pusher_theta")
 _RECORDED_JOINTS = ("pusher_x", "pusher_y", "pusher_theta")
 _OBJECT = ("obj_x", "obj_y", "obj_theta")
-# Rows come every 30 ms or so; where none come for so long there is a pause.
+# Rows come about every 30 ms. A time without rows that is longer than this is a
+# pause (in seconds).
 _PAUSE = 1.0
 # How high the fingers are lifted (in meters), and how fast (in seconds).
 _LIFT = 0.05
@@ -46,7 +48,7 @@ def ReadTwoFingerPush(
 ) -> Log:
     """Reads one recording.
 
-    Its ground truth is the detections, for want of a better one.
+    Its ground truth is the detections: there is no better one.
 
     Args:
         filename: the CSV file.
@@ -85,8 +87,9 @@ def lift_in_pauses(times: np.ndarray, positions: np.ndarray) -> JointRecord:
             may jump by whole turns.
 
     Returns:
-        positions of ``JOINT_NAMES``. The fingers are lifted at the beginning
-        of a pause and lowered at its end, where they are then.
+        The positions of ``JOINT_NAMES``. At the beginning of a pause the
+        fingers are lifted from where they are, and at its end they are lowered
+        to where they are then.
     """
     x, y, theta = positions.T
     q = np.column_stack([x, y, np.zeros(len(x)), np.unwrap(theta)])
@@ -124,11 +127,11 @@ def was_lifted(joints: JointRecord, start: float, end: float) -> bool:
 
 
 def cut_to_update(log: Log, time: float, period: float) -> Log:
-    """Returns the log with its last update at a time, and no detection then.
+    """Returns the log up to a time, with an update then but no detection.
 
-    So the last estimate is what is known at that time without what is
-    detected at that time. The beginning is cut by less than a period, for
-    updates to be then; the joints go on for half a period, to the log's end.
+    So the last estimate is what was known just before that detection. The
+    beginning is cut by less than a period, so that an update falls on that
+    time. The joints go on for half a period more.
 
     Args:
         log: the whole.

@@ -1,12 +1,17 @@
 """diagnostics.png: how a filter came to its estimates, over the time of a log.
 
-A column per object. From above: what the position is off, and the spread of the
-particles, which is what the filter expects that to be; the effective sample
-size, and in grey the particles that were used, where those aren't all; how
-visible the estimate is; and which friction and mass the surviving particles
-have, averaged over nine updates. Dashed and dotted lines are the median and the
-tenths of all draws of θ: where the survivors' are elsewhere, the detections say
-something of θ. Grey spans have no detection.
+There is a column per object. From top to bottom, it shows:
+
+- the position error, and the spread of the particles, which is the error that
+  the filter expects
+- the effective sample size and, in grey, the particles that were used, unless
+  these were all
+- how visible the estimate is
+- friction and mass of the surviving particles, averaged over nine updates
+
+Dashed lines are the medians of all draws of θ, and dotted lines are their first
+and last tenths. Where the survivors' values are elsewhere, the detections say
+something about θ. Grey spans have no detection.
 """
 
 from pathlib import Path
@@ -32,7 +37,7 @@ from pbpf_drake.results.pose_errors import compute_errors, position_stddev
 from pbpf_drake.results.track_diagnostics import Diagnostics, ParameterTrace
 from pbpf_drake.results.track_record import TrackRecord
 
-# Updates over which a parameter's trace is averaged: one update says little.
+# A parameter is averaged over so many updates, as a single one says little.
 _WINDOW = 9
 _ROWS = (
     "error and spread\n[cm]",

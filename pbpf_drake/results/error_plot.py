@@ -1,11 +1,11 @@
 """errors.png: the errors of one or more methods over the time of a log.
 
-A column per object; the position error above, the rotation error below. Grey
-spans have no detection. The band below a line's color ends at two standard
-deviations of the filter's own spread: a line that leaves its band is worse
-than its filter believes. Position errors beyond one and a half times the
-extent of the true motion are cut off and written out: a pose that never
-changes would do better.
+There is a column per object, with the position error above and the rotation
+error below. Grey spans have no detection. The band in a line's color ends at
+two standard deviations of the particles: where a line leaves its band, the
+error is larger than its filter believes. Position errors beyond one and a half
+times the extent of the true motion are cut off, and their peaks are written
+out: a pose that never changes would do better.
 """
 
 from collections.abc import Mapping, Sequence

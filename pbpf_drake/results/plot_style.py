@@ -8,9 +8,9 @@ from pbpf_drake.results.track_record import TrackRecord
 # Of a line: its color, and its dashes as matplotlib has them.
 LineStyle = tuple[str, str | tuple[float, tuple[float, ...]]]
 
-# By method. The colors are from the palette of Okabe and Ito, which was made
-# for the color-blind, too. The estimate is green and the detector yellow, as in
-# the replay.
+# By method. The colors are from Okabe and Ito's palette, which the color-blind
+# can read, too. The estimate is green and the detector yellow, as in the
+# replay.
 _METHOD_LINES: dict[str, LineStyle] = {
     "dope": ("#E69F00", (0, (5, 1.5))),
     "cvpf": ("#D55E00", (0, (1, 1))),

@@ -2,8 +2,8 @@
 
 ADD and ADD-S are those of Hinterstoisser et al. (ACCV 2012) and of PoseCNN
 (Xiang et al., RSS 2018), MSSD is that of the BOP challenge (Hodaň et al., ECCV
-2020). All are computed in the true object's frame, where an estimated pose X
-against the true one is D = X_ref⁻¹ X: distances stay the same.
+2020). All are computed in the frame of the true object, in which the estimated
+pose X is D = X_ref⁻¹ X. Distances are the same in all frames.
 
 Poses are (N, 7): unit quaternions w, x, y, z, then positions (in meters), all
 in one frame. Points are (P, 3) in the object's frame (in meters).
@@ -21,9 +21,10 @@ from pbpf_drake.poses.quaternions import (
     rotate,
 )
 
-# Turns that stand for any turn about an axis.
+# So many turns stand for all turns about an axis.
 _NUM_TURNS = 64
-# Distances at a time, so that a long log doesn't fill the memory.
+# So many distances are computed at a time, so that a long log doesn't fill the
+# memory.
 _CHUNK = 300_000
 
 
@@ -43,7 +44,7 @@ def symmetric_rotation_error(
     d = multiply(conjugate(q_ref), q)
     if symmetry.is_continuous():
         along = d[..., 1:] @ symmetry.unit_axis()
-        # What remains when the turn about the axis is taken out of d.
+        # The rest of d, without its turn about the axis.
         across = np.linalg.norm(
             np.cross(d[..., 1:], symmetry.unit_axis()), axis=-1
         )
@@ -82,8 +83,8 @@ def mssd_error(
 ) -> np.ndarray:
     """Returns the largest distance of a point, (N,) (MSSD).
 
-    That is to the true object, turned by the symmetric turn for which it is
-    smallest.
+    It is the distance to the true object after the symmetric turn for which it
+    is smallest.
     """
     D = _relative(X, X_ref)
     turns = symmetry.turns(_NUM_TURNS)

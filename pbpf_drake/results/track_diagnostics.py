@@ -1,8 +1,8 @@
 """What can be told of a run afterwards, beside its errors.
 
-How visible the estimate was, and which θ the particles had that survived. θ is
-dealt out to the particles anew at each step, from a bank of M draws, so what is
-known of θ is what the weights of one step say of it.
+That is how visible the estimate was, and which θ the particles had that
+survived. At each step, θ is dealt out to the particles anew from a bank of M
+draws. So all that is known of θ is what the weights of one step say about it.
 """
 
 from collections.abc import Sequence
@@ -18,8 +18,8 @@ from pbpf_drake.random_streams import MakeGenerator, Stream
 from pbpf_drake.results.track_record import TrackRecord
 from pbpf_drake.visibility.visibility_model import VisibilityModel
 
-# Of what the survivors have: a tenth of their weight is below the first, and a
-# tenth above the last.
+# Shares of the weight: a tenth is below the first value that is told of θ, and
+# a tenth is above the last.
 SHARES = (0.1, 0.5, 0.9)
 
 
@@ -28,9 +28,9 @@ class ParameterTrace:
     """One parameter of θ over a run.
 
     Attributes:
-        survivors: (N, K, 3) the SHARES among the particles by their weights;
-            NaN where there are no weights that know of θ.
-        drawn: (K, 3) the same of all draws.
+        survivors: (N, K, 3) the values below which the SHARES of the
+            particles' weight are; NaN where an object isn't tracked yet.
+        drawn: (K, 3) the same for all draws, with equal weights.
     """
 
     survivors: np.ndarray
@@ -82,7 +82,7 @@ def MakeDiagnostics(
 def weighted_quantiles(
     values: np.ndarray, weights: np.ndarray, shares: Sequence[float]
 ) -> np.ndarray:
-    """Returns the values below which these shares of the weight are.
+    """Returns the values below which some shares of the weight are.
 
     Args:
         values: (M,).
@@ -90,12 +90,12 @@ def weighted_quantiles(
         shares: (S,) in [0, 1].
 
     Returns:
-        (S,) some of the values: the first at which the weights of it and of
-        all smaller ones make up the share.
+        (S,) for each share, the first value whose weight, together with those
+        of all smaller values, makes up the share.
     """
     order = np.argsort(values)
     cumulated = np.cumsum(weights[order])
-    # Sums of equal weights miss their shares by rounding.
+    # Rounding makes sums of equal weights miss the shares by a little.
     chosen = np.searchsorted(cumulated, np.asarray(shares) - 1e-12)
     return values[order][np.minimum(chosen, len(values) - 1)]
 

@@ -24,8 +24,9 @@ class TrackRecord:
         weights: (N, M) of the particles.
         particles_used: (N,) n, of the M particles; 0 without particles.
         update_ms: (N,) wall time of each update (in milliseconds).
-        period: that an update should take less than (in seconds).
-        seed: the seed of the run.
+        period: of the updates; each should take less than this (in seconds).
+        seed: of the run.
+        config: of the filter, by field; of other estimators the period only.
     """
 
     method: str

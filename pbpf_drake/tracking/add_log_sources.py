@@ -1,4 +1,4 @@
-"""Adds what plays a log to a diagram."""
+"""Adds systems to a diagram that play a log."""
 
 from pydrake.systems.framework import DiagramBuilder, OutputPort
 
@@ -15,7 +15,7 @@ def AddLogSources(
 
     Args:
         builder: the diagram to add to.
-        scene: its camera has made the detections.
+        scene: its camera made the detections.
         log: what to play.
 
     Returns:

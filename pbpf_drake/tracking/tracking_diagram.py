@@ -35,7 +35,7 @@ class TrackingDiagram:
     Attributes:
         diagram: the whole.
         estimator: its particle filter or single-snapshot estimator.
-        update_seconds: grows by each update's wall time.
+        update_seconds: the wall times of all updates so far.
     """
 
     diagram: Diagram
@@ -159,7 +159,7 @@ def _AddVisualizer(
     sources: Mapping[str, OutputPort],
     meshcat: Meshcat,
 ) -> None:
-    """Draws all that is known; the truth of those objects that have one."""
+    """Draws all that is known, and the truth of the objects that have one."""
     names = [n for n in scene.object_names() if n in log.ground_truth]
     truth = None
     if names:
@@ -200,7 +200,7 @@ def _MakeRecord(
     num_objects = len(scene.tracked)
 
     def column(name: str, *shape: int) -> np.ndarray:
-        """Of the ports; zeros where the estimator lacks one."""
+        """Returns a port's values, or zeros if the estimator lacks it."""
         if rows and name not in rows[0]:
             return np.zeros((len(rows), *shape))
         return np.array([row[name] for row in rows]).reshape(-1, *shape)

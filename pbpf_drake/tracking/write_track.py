@@ -37,10 +37,10 @@ def WriteTrack(
     """Writes what was seen and estimated at every update.
 
     The MCAP file has the robot's joints, the detections that were used, the
-    estimates, the particles and, where the log has images, these with the
-    wireframes of estimates (green) and last detections (yellow; thin, if it
-    is an old one). The video has all images; where there is none, the
-    wireframes of the robot and of the fixed models take its place.
+    estimates, the particles and the log's images, if it has any. On the images
+    are the wireframes of estimates (green) and of last detections (yellow, and
+    thin if the detection is an old one). The video has all images. Where the
+    log has none, it shows wireframes of the robot and of the fixed models.
 
     Args:
         scene: of the log.
@@ -83,7 +83,7 @@ def detections_at(
     """Returns the last detections that were known at given times, by object.
 
     Args:
-        scene: with the camera that has detected them.
+        scene: with the camera that the detector looks through.
         log: has all detections.
         times: of updates (in seconds).
     """
@@ -126,7 +126,7 @@ class _Painter:
         q: np.ndarray,
         seen: dict[str, Detection],
     ) -> np.ndarray:
-        """Returns an image with what there is at update i.
+        """Returns an image with all wireframes of update i.
 
         Args:
             i: index of the update.
