@@ -5,7 +5,7 @@ run at the same time. They are forked from this one, so they have all that it
 has already, and only jobs and their results are sent between them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 import contextlib
 import gc
 import logging
@@ -14,6 +14,8 @@ from multiprocessing.connection import Connection
 from multiprocessing.context import ForkProcess
 import signal
 import sys
+import threading
+import time
 from typing import Any, Generic, Protocol, TypeVar
 import warnings
 import weakref
@@ -22,6 +24,8 @@ import numpy as np
 
 # In bytes.
 _LARGEST_BLOCK = 31 * 2**20
+# How long a process may be silent before it is ended (in seconds).
+_PATIENCE = 10.0
 
 _Worker = TypeVar("_Worker")
 _Result = TypeVar("_Result")
@@ -44,8 +48,10 @@ class Crew(Generic[_Worker]):
     """This process and copies of it, which are made when first needed.
 
     A copy that has died is replaced at the next call, and its jobs are done
-    here. Copies are made on Linux only, and never by a daemonic process, which
-    isn't allowed to; elsewhere this process does everything.
+    here. So is one that doesn't answer, because it was stopped or is starved:
+    it has ten times as long as this process took for its own share, and ten
+    seconds more. Copies are made on Linux only, and never by a daemonic
+    process, which isn't allowed to; elsewhere this process does everything.
 
     Args:
         worker: what jobs are run on, e.g. an object with contexts of its own.
@@ -85,13 +91,15 @@ class Crew(Generic[_Worker]):
             if i > 0 and jobs and self._Send(i, jobs):
                 sent.append(i)
         answers: list[list[_Result] | Exception | None] = [None] * len(shares)
+        start = time.monotonic()
         try:
             for i, jobs in enumerate(shares):
                 if i not in sent:
                     answers[i] = _run(self._worker, jobs)
         finally:
+            patience = 10 * (time.monotonic() - start) + _PATIENCE
             for i in sent:
-                answers[i] = self._Receive(i)
+                answers[i] = self._Receive(i, patience)
         return [
             self._Complete(answer, jobs)
             for answer, jobs in zip(answers, shares, strict=True)
@@ -110,10 +118,10 @@ class Crew(Generic[_Worker]):
             return False
         return True
 
-    def _Receive(self, i: int) -> list[Any] | Exception | None:
+    def _Receive(self, i: int, patience: float) -> list[Any] | Exception | None:
         """Returns results, or what was raised, or None if process i died."""
         try:
-            return self._helpers[i].Receive()
+            return self._helpers[i].Receive(patience)
         except (EOFError, OSError):
             self._ReportDeath(i)
             return None
@@ -121,8 +129,9 @@ class Crew(Generic[_Worker]):
     def _ReportDeath(self, i: int) -> None:
         del self._helpers[i]
         logging.getLogger(__name__).warning(
-            "A process that shared the work on the particles has died; what "
-            "it had to do is done again, and it is replaced."
+            "A process that shared the work on the particles has died, or was "
+            "ended because it didn't answer; what it had to do is done again, "
+            "and it is replaced."
         )
 
     def _Complete(
@@ -155,30 +164,51 @@ class _Helper:
             warnings.simplefilter("ignore", DeprecationWarning)
             process.start()
         line.close()
+        self._process = process
         weakref.finalize(self, _dismiss, self._line, process)
 
     def Send(self, jobs: Sequence[Job[Any, Any]]) -> None:
         """Sends jobs to work on.
 
         Raises:
-            OSError: the copy has died.
+            OSError: the copy has died, or doesn't read what is sent.
         """
         self._num_sent += 1
-        self._line.send((self._num_sent, jobs))
+        with _deadline(self._process, _PATIENCE):
+            self._line.send((self._num_sent, jobs))
 
-    def Receive(self) -> list[Any] | Exception:
+    def Receive(self, patience: float) -> list[Any] | Exception:
         """Returns the answer to what was sent last.
 
         After an interrupt there may be an older answer that nobody has
         fetched. It is thrown away.
 
+        Args:
+            patience: how long the copy has for it (in seconds).
+
         Raises:
-            EOFError, OSError: the copy has died.
+            EOFError, OSError: the copy has died, or had to be ended.
         """
-        while True:
-            number, answer = self._line.recv()
-            if number == self._num_sent:
-                return answer
+        with _deadline(self._process, patience):
+            while True:
+                number, answer = self._line.recv()
+                if number == self._num_sent:
+                    return answer
+
+
+@contextlib.contextmanager
+def _deadline(process: ForkProcess, seconds: float) -> Iterator[None]:
+    """Kills a process if the block isn't over in time; it may be stopped.
+
+    Whoever waits at the other end of a pipe to it then learns that it is gone.
+    """
+    timer = threading.Timer(seconds, process.kill)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def _keep_freed_memory() -> None:
@@ -223,3 +253,5 @@ def _dismiss(line: Connection, process: ForkProcess) -> None:
         line.send(None)
     line.close()
     process.join(timeout=1.0)
+    # One that is stopped doesn't notice anything else.
+    process.kill()

@@ -14,6 +14,7 @@ import time
 
 import pytest
 
+from pbpf_drake import process_crew
 from pbpf_drake.process_crew import Crew
 
 
@@ -135,6 +136,42 @@ def test_one_that_was_killed_in_between_is_replaced():
     assert pid not in (os.getpid(), victim)
 
 
+@dataclass(frozen=True)
+class Measure:
+    data: bytes
+
+    def RunOn(self, counter: Counter) -> tuple[int, int]:
+        return os.getpid(), len(self.data)
+
+
+@pytest.mark.parametrize("size", [8, 10_000_000], ids=["short", "long"])
+def test_the_share_of_one_that_is_stopped_is_done_here(
+    size, caplog, monkeypatch
+):
+    """A long job doesn't fit into the pipe, so that sending it blocks."""
+    monkeypatch.setattr(process_crew, "_PATIENCE", 0.5)
+    crew, job = Crew(Counter(), 2), Measure(bytes(size))
+    ((first, _),) = crew.Run([[], [job]])[1]
+    os.kill(first, signal.SIGSTOP)
+    assert crew.Run([[], [job]])[1] == [(os.getpid(), size)]
+    assert "didn't answer" in caplog.text
+    ((second, _),) = crew.Run([[], [job]])[1]
+    assert second not in (first, os.getpid())
+
+
+def test_a_crew_with_one_that_is_stopped_ends(monkeypatch):
+    crew = Crew(Counter(), 2)
+    ((pid, _, _),) = crew.Run([[], [Add(1)]])[1]
+    os.kill(pid, signal.SIGSTOP)
+    del crew
+    gc.collect()
+    end = time.monotonic() + 10
+    while os.path.exists(f"/proc/{pid}") and time.monotonic() < end:
+        multiprocessing.active_children()  # Those that ended are cleaned up.
+        time.sleep(0.01)
+    assert not os.path.exists(f"/proc/{pid}")
+
+
 def test_an_answer_that_cannot_be_sent_is_made_here():
     _, (answer,) = Crew(Counter(), 2).Run([[Return(0)], [Return(3)]])
     assert answer() == 3
@@ -168,6 +205,7 @@ def test_processes_end_with_their_crew():
 _SCRIPT = """
 import time
 import crew_jobs
+from pbpf_drake import process_crew
 from pbpf_drake.process_crew import Crew
 crew = Crew(None, 3)
 pids = crew.Run([[crew_jobs.Pid()]] * 3)
@@ -226,6 +264,7 @@ def _run_in_daemon(queue) -> None:
 _FAULTS_AFTER_CREW = """
 import resource
 import numpy as np
+from pbpf_drake import process_crew
 from pbpf_drake.process_crew import Crew
 if {with_crew}:
     Crew(None, 1)
