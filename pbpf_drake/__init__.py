@@ -114,6 +114,7 @@ from pbpf_drake.views.particle_visualizer import (
     ParticleVisualizer,
 )
 from pbpf_drake.views.scene_meshcat import SaveReplay
+from pbpf_drake.visibility.ray_casting import CastRays
 from pbpf_drake.visibility.visibility_model import VisibilityModel
 
 __all__ = [
@@ -124,6 +125,7 @@ __all__ = [
     "AddSceneModels",
     "AssembleParticleFilter",
     "CameraConfig",
+    "CastRays",
     "ConfigForMethod",
     "ConstantVelocityMotionModel",
     "DefaultConfig",

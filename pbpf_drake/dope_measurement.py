@@ -54,12 +54,25 @@ def EvalDopeMeasurement(system: System, context: Context) -> DopeMeasurement:
         context: its own, in which the port has a value.
 
     Raises:
-        TypeError: it is something else than a DopeMeasurement.
+        TypeError: it, or something in it, isn't of the type that it has to be.
     """
+    port = f"{system.get_name()}: dope_measurement"
     measurement = system.GetInputPort("dope_measurement").Eval(context)
-    if not isinstance(measurement, DopeMeasurement):
-        raise TypeError(
-            f"{system.get_name()}: dope_measurement is a "
-            f"{type(measurement).__name__}; expected a DopeMeasurement"
-        )
+    _require_type(port, measurement, DopeMeasurement)
+    for name, detection in measurement.detections.items():
+        _require_type(f"{port}.detections[{name!r}]", detection, Detection)
+        path = f"{port}.detections[{name!r}]"
+        _require_type(f"{path}.X_WO", detection.X_WO, RigidTransform)
+        _require_type(f"{path}.time", detection.time, (int, float))
     return measurement
+
+
+def _require_type(
+    path: str, value: object, expected: type | tuple[type, ...]
+) -> None:
+    if not isinstance(value, expected):
+        kinds = expected if isinstance(expected, tuple) else (expected,)
+        raise TypeError(
+            f"{path} is a {type(value).__name__}; expected a "
+            + " or ".join(kind.__name__ for kind in kinds)
+        )

@@ -69,8 +69,9 @@ class ParticleFilterConfig:
     # only for detectors without a bias: if detections are centimetres off all
     # the time, every track looks lost.
     recover_lost_tracks: bool = False
-    # A detection older than this when it arrives is not used (in seconds).
-    max_detection_age: float = 0.25
+    # A detection that is older than this when it arrives is not used (in
+    # seconds). So long the filter remembers where its particles were.
+    max_detection_age: float = 2.0
     # A particle whose simulation moves faster than this has failed (in m/s):
     # nothing that is pushed or tips over moves so fast.
     max_speed: float = 2.0

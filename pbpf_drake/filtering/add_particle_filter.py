@@ -21,6 +21,7 @@ from pbpf_drake.scene.prediction_model import (
     MakePredictionModel,
     PredictionModel,
 )
+from pbpf_drake.scene.workspace import FindWorkspace
 from pbpf_drake.visibility.visibility_model import VisibilityModel
 
 # M of CVPF (Section 6).
@@ -130,6 +131,8 @@ def AssembleParticleFilter(
         nominal_poses=model.nominal_poses,
         num_joints=len(model.joint_names),
         on_update=on_update,
+        joint_names=model.joint_names,
+        bounds=FindWorkspace(model),
     )
 
 

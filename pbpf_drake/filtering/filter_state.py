@@ -36,6 +36,12 @@ class FilterState:
         detected: (K,) 1 where the last update used a detection, else 0.
         disagreement: (K, 3) of the detections with the particles; see
             track_loss.
+        num_rejected: (K,) how many detections in a row were outliers to all
+            particles.
+        history: (H, M, K, 7) where the particles were at the ends of the
+            updates before the last one, the latest last.
+        history_times: (H,) when that was (in seconds); -inf where there was
+            no update yet.
         step: (1,) count of updates.
     """
 
@@ -48,17 +54,21 @@ class FilterState:
     detection_times: np.ndarray
     detected: np.ndarray
     disagreement: np.ndarray
+    num_rejected: np.ndarray
+    history: np.ndarray
+    history_times: np.ndarray
     step: np.ndarray
 
 
 def MakeInitialState(
-    num_particles: int, nominal_poses: np.ndarray
+    num_particles: int, nominal_poses: np.ndarray, history_length: int = 0
 ) -> FilterState:
     """Returns the state before the first detection.
 
     Args:
         num_particles: M.
         nominal_poses: (K, 7), which stand for estimates until there are any.
+        history_length: H.
     """
     num_objects = len(nominal_poses)
     return FilterState(
@@ -71,5 +81,8 @@ def MakeInitialState(
         detection_times=np.full(num_objects, -np.inf),
         detected=np.zeros(num_objects),
         disagreement=np.zeros((num_objects, 3)),
+        num_rejected=np.zeros(num_objects),
+        history=np.tile(nominal_poses, (history_length, num_particles, 1, 1)),
+        history_times=np.full(history_length, -np.inf),
         step=np.zeros(1),
     )

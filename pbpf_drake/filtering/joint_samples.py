@@ -2,7 +2,7 @@
 
 Samples are rows of time (in seconds), n positions (in radians or meters) and
 n velocities (per second), the latest last. A row that isn't filled yet has the
-time -inf.
+time -inf. A joint that has never had a finite position has NaN.
 """
 
 import numpy as np
@@ -17,6 +17,7 @@ def make_empty_rows(count: int, num_joints: int) -> np.ndarray:
     """Returns so many rows that aren't filled yet, (S, 1 + 2 n)."""
     samples = np.zeros((count, 1 + 2 * num_joints))
     samples[:, 0] = -np.inf
+    samples[:, 1 : 1 + num_joints] = np.nan
     return samples
 
 
@@ -59,6 +60,8 @@ def path_since(samples: np.ndarray, time: float, *, bend: bool) -> ControlPath:
         bend: whether the velocities bend the path between two samples.
     """
     samples = samples[np.isfinite(samples[:, 0])]
+    known = np.all(np.isfinite(samples), axis=1)
+    samples = samples[known] if known[-1:].any() else samples
     start = np.searchsorted(samples[:, 0], time + _SAME_TIME) - 1
     since = samples[max(start, 0) :]
     since = since[np.append(np.diff(since[:, 0]) > _SAME_TIME, True)]

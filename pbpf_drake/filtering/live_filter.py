@@ -5,6 +5,7 @@ asks them calls LiveFilter whenever an update is due.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from pydrake.common.value import Value
@@ -79,12 +80,31 @@ class LiveFilter:
         Args:
             reading: later than the last one: by about the filter's period, or
                 by more where updates were left out.
+
+        Raises:
+            ValueError: the reading isn't later than the last one.
         """
+        last = self._context.get_time()
+        if not reading.time > last:
+            raise ValueError(
+                f"the reading's time is {reading.time} s, and the last one's "
+                f"was {last} s; expected a clock that never goes back"
+            )
         self._Read(reading)
         values = self._filter.EvalUniquePeriodicDiscreteUpdate(self._context)
         self._context.SetDiscreteState(values)
-        port = self._filter.GetOutputPort("estimated_poses")
-        return port.Eval(self._context)
+        return self.Output("estimated_poses")
+
+    def Output(self, port: str) -> Any:
+        """Returns the value of one of the filter's output ports.
+
+        Args:
+            port: such as "covariances"; see PhysicsBasedParticleFilter.
+
+        Raises:
+            RuntimeError: there is no such port.
+        """
+        return self._filter.GetOutputPort(port).Eval(self._context)
 
     def NextTime(self, now: float) -> float:
         """Returns when the next update is due (in seconds).

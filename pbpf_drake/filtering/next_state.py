@@ -15,6 +15,7 @@ def make_next_state(
     weights: np.ndarray,
     mean: np.ndarray,
     disagreement: np.ndarray,
+    num_rejected: np.ndarray,
 ) -> FilterState:
     """Returns the state after an update that had n of M particles.
 
@@ -28,6 +29,7 @@ def make_next_state(
         weights: (n,) of them, with the sum 1.
         mean: (K, 7) x̃_t.
         disagreement: (K, 3) see track_loss.
+        num_rejected: (K,) see FilterState.
     """
     num_spare = len(state.weights) - len(weights)
     last = state.estimates[0]
@@ -35,7 +37,7 @@ def make_next_state(
     for k, seen in step.detections.items():
         times[k] = seen[-1].time
     return FilterState(
-        poses=_repeat(cloud.end, num_spare),
+        poses=_repeat(cloud.trail.end, num_spare),
         velocities=_repeat(cloud.velocities, num_spare),
         weights=np.concatenate([weights, np.zeros(num_spare)]),
         num_used=np.array([float(len(weights))]),
@@ -44,11 +46,14 @@ def make_next_state(
         detection_times=times,
         detected=index_mask(step.detections, len(times)) * 1.0,
         disagreement=disagreement,
+        num_rejected=num_rejected,
+        history=_repeat(cloud.trail.poses[1:-1], num_spare, axis=1),
+        history_times=cloud.trail.times[1:-1],
         step=state.step + 1,
     )
 
 
-def _repeat(particles: np.ndarray, num_spare: int) -> np.ndarray:
-    """Returns (n, ...) followed by so many repetitions of its rows."""
-    count = len(particles)
-    return particles[np.arange(count + num_spare) % count]
+def _repeat(particles: np.ndarray, num_spare: int, axis: int = 0) -> np.ndarray:
+    """Returns n particles, along an axis, and so many of them once more."""
+    count = particles.shape[axis]
+    return particles.take(np.arange(count + num_spare) % count, axis)

@@ -14,21 +14,6 @@ from pbpf_drake.poses import quaternions
 OUTLIER = 5.0
 
 
-def poses_at(start: np.ndarray, end: np.ndarray, fraction: float) -> np.ndarray:
-    """Returns poses (M, 7) between those at two times.
-
-    Args:
-        start: (M, 7) at the earlier time: qw qx qy qz, x y z (in meters).
-        end: (M, 7) at the later time.
-        fraction: 0 at the earlier time, 1 at the later; clipped to that.
-    """
-    u = min(max(fraction, 0.0), 1.0)
-    same = np.sum(start[:, :4] * end[:, :4], axis=-1, keepdims=True) >= 0
-    q = (1 - u) * start[:, :4] + u * np.where(same, end[:, :4], -end[:, :4])
-    p = (1 - u) * start[:, 4:] + u * end[:, 4:]
-    return np.concatenate([quaternions.normalize(q), p], axis=-1)
-
-
 def detection_log_likelihood(
     poses: np.ndarray, detection: np.ndarray, stddev: PoseStddev
 ) -> np.ndarray:
@@ -43,11 +28,8 @@ def detection_log_likelihood(
         detection: (7,), the pose that the detector reports.
         stddev: σ_DOPE of the distance and of the angle between the two.
     """
-    distance = np.linalg.norm(poses[:, 4:] - detection[4:], axis=-1)
-    angle = quaternions.angle_between(poses[:, :4], detection[:4])
-    return _log_gaussian(distance / stddev.position) + _log_gaussian(
-        angle / stddev.rotation
-    )
+    distance, angle = _deviations(poses, detection, stddev)
+    return _log_gaussian(distance) + _log_gaussian(angle)
 
 
 def weigh_by_detections(
@@ -55,7 +37,8 @@ def weigh_by_detections(
 ) -> np.ndarray:
     """Returns log w, log p(z_t | x̄) up to a constant, (n,).
 
-    It is -inf for particles that failed.
+    Each detection is compared with where the particles were at its stamp. It
+    is -inf for particles that failed.
 
     Args:
         cloud: the particles.
@@ -64,64 +47,49 @@ def weigh_by_detections(
     """
     log_weights = np.where(cloud.failed, -np.inf, 0.0)
     for k, seen in step.detections.items():
-        log_weights += observation_log_likelihood(
-            cloud.start[:, k], cloud.end[:, k], seen, step, stddev
-        )
+        poses = [cloud.trail.at(detection.time, k) for detection in seen]
+        log_weights += _observation_log_likelihood(poses, seen, stddev)
         if not step.active[k]:
             # These detections have chosen the particles of the new track, and
             # must not count twice.
-            drawn = cloud.drawn[:, k]
-            log_weights -= observation_log_likelihood(
-                drawn, drawn, seen, step, stddev
-            )
+            drawn = [cloud.drawn[:, k]] * len(seen)
+            log_weights -= _observation_log_likelihood(drawn, seen, stddev)
     return log_weights
 
 
-def observation_log_likelihood(
-    start: np.ndarray,
-    end: np.ndarray,
-    seen: Sequence[StampedPose],
-    step: UpdateStep,
-    stddev: PoseStddev,
-) -> np.ndarray:
-    """Returns log p(z_t | x̄) of one object's detections, (n,).
-
-    Each detection is compared with where the particles were at its stamp.
+def agrees(
+    poses: np.ndarray, detection: np.ndarray, stddev: PoseStddev
+) -> bool:
+    """Returns whether a detection isn't an outlier to all particles.
 
     Args:
-        start: (n, 7) the particles at the beginning of the step.
-        end: (n, 7) the particles at its end.
-        seen: the detections.
-        step: whose path says when it began and ended.
+        poses: (n, 7) particles x̄ when the image was taken.
+        detection: (7,), the pose that the detector reports.
         stddev: σ_DOPE.
     """
-    log_likelihood = np.zeros(len(end))
-    for detection in seen:
-        log_likelihood += detection_log_likelihood(
-            poses_at(start, end, step.fraction(detection.time)),
-            detection.pose,
-            stddev,
-        )
+    distance, angle = _deviations(poses, detection, stddev)
+    return bool(np.any((distance <= OUTLIER) & (angle <= OUTLIER)))
+
+
+def _observation_log_likelihood(
+    poses: Sequence[np.ndarray],
+    seen: Sequence[StampedPose],
+    stddev: PoseStddev,
+) -> np.ndarray:
+    """Returns the sum over detections, (n,), each with its poses, (n, 7)."""
+    log_likelihood = np.zeros(len(poses[0]))
+    for x, detection in zip(poses, seen, strict=True):
+        log_likelihood += detection_log_likelihood(x, detection.pose, stddev)
     return log_likelihood
 
 
-def poses_at_last_images(
-    start: np.ndarray, end: np.ndarray, step: UpdateStep
-) -> np.ndarray:
-    """Returns the particles when each object was last seen, (n, K, 7).
-
-    Objects that weren't detected in this step are where they are at its end.
-
-    Args:
-        start: (n, K, 7) the particles at the beginning of the step.
-        end: (n, K, 7) the particles at its end.
-        step: the update.
-    """
-    imaged = end.copy()
-    for k, seen in step.detections.items():
-        fraction = step.fraction(seen[-1].time)
-        imaged[:, k] = poses_at(start[:, k], end[:, k], fraction)
-    return imaged
+def _deviations(
+    poses: np.ndarray, detection: np.ndarray, stddev: PoseStddev
+) -> tuple[np.ndarray, np.ndarray]:
+    """Returns distance and angle in standard deviations, (n,) each."""
+    distance = np.linalg.norm(poses[:, 4:] - detection[4:], axis=-1)
+    angle = quaternions.angle_between(poses[:, :4], detection[:4])
+    return distance / stddev.position, angle / stddev.rotation
 
 
 def _log_gaussian(deviations: np.ndarray) -> np.ndarray:

@@ -1,7 +1,6 @@
 """The particle filter as a Drake system."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 import time as wall_clock
 
 import numpy as np
@@ -19,19 +18,13 @@ from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.dope_measurement import DopeMeasurement, EvalDopeMeasurement
 from pbpf_drake.filtering import joint_samples, recent_detections
 from pbpf_drake.filtering.belief_covariance import belief_covariances
-from pbpf_drake.filtering.discrete_arrays import DiscreteArrays
+from pbpf_drake.filtering.filter_memory import FilterMemory
 from pbpf_drake.filtering.filter_scratch import FilterScratch
-from pbpf_drake.filtering.filter_state import FilterState, MakeInitialState
 from pbpf_drake.filtering.particle_filter_update import ParticleFilterUpdate
+from pbpf_drake.filtering.recent_detections import ANYWHERE, RecentDetections
 from pbpf_drake.filtering.resampling import effective_sample_size
 from pbpf_drake.motion.motion_model import MotionScratch
 from pbpf_drake.poses.pose_conversion import rigid_transform
-
-# What is in the discrete state beside FilterState: the joints and detections
-# since the last update, and when that was.
-_SAMPLES = "joint_samples"
-_DETECTIONS = "recent_detections"
-_UPDATE_TIME = "update_time"
 
 
 class PhysicsBasedParticleFilter(LeafSystem):
@@ -59,6 +52,8 @@ class PhysicsBasedParticleFilter(LeafSystem):
         - tracked
         - detected
         - update_time
+        - detection_counts
+        - num_rejected
 
     Input ``joint_positions``: (n,) the robot's measured joints, in the order
     of its model (in radians or meters), sampled ``control_samples`` times per
@@ -66,7 +61,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
     ``joint_velocities``: (n,) bends the path between two samples. Input
     ``dope_measurement``: a DopeMeasurement; a detection is used if its stamp
     is new, not of the future and at most ``max_detection_age`` old, and if its
-    pose is finite and within 1 km.
+    pose is finite and within bounds. It weighs where particles were then.
 
     Output ``estimated_poses``: list of K RigidTransform X_WO, the weighted
     mean of the particles. Output ``particles``: (M, K, 7) in row-major order:
@@ -77,11 +72,15 @@ class PhysicsBasedParticleFilter(LeafSystem):
     order: rotation vector (in radians), then position (in meters), in the
     world. Outputs ``tracked`` and ``detected``: (K,) 1 if the object has been
     detected, ever and at the last update, else 0. Output ``update_time``: of
-    the last update (in seconds), -1 before it.
+    the last update (in seconds), -1 before it. Output ``detection_counts``:
+    (K, 5) in row-major order: how many detections had which of the
+    DETECTION_FATES. Output ``num_rejected``: (K,) how many in a row were
+    outliers to all particles.
 
     Before an object is first detected, its estimate and particles are the
     nominal pose that the scene gives it, its covariance is that of the initial
-    noise, and it takes no part in the physics of the others.
+    noise, and it takes no part in the physics of the others. Nothing is tracked
+    as long as a joint has never had a finite value.
 
     State: all of it is discrete. No port has direct feedthrough. Randomness is
     a pure function of (seed, step). Only with ``adaptive_count.to_period`` does
@@ -95,6 +94,8 @@ class PhysicsBasedParticleFilter(LeafSystem):
         nominal_poses: (K, 7).
         num_joints: n.
         on_update: called after each update with its wall time (in seconds).
+        joint_names: n names, to warn of joints.
+        bounds: (2, 3) where objects may be detected; see add_measurement.
 
     Raises:
         ValueError: a field of the config is out of range.
@@ -109,6 +110,8 @@ class PhysicsBasedParticleFilter(LeafSystem):
         nominal_poses: np.ndarray,
         num_joints: int,
         on_update: Callable[[float], None] | None = None,
+        joint_names: Sequence[str] = (),
+        bounds: np.ndarray = ANYWHERE,
     ) -> None:
         super().__init__()
         config.ValidateOrThrow()
@@ -116,7 +119,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
         self._update = update
         self._object_names = tuple(object_names)
         self._on_update = on_update
-
+        self._bounds = bounds
         self._positions_port = self.DeclareVectorInputPort(
             "joint_positions", num_joints
         )
@@ -126,24 +129,21 @@ class PhysicsBasedParticleFilter(LeafSystem):
         self._measurement_port = self.DeclareAbstractInputPort(
             "dope_measurement", Value(DopeMeasurement())
         )
-        rows = config.control_samples + 1
-        num_objects = len(object_names)
-        self._arrays = DiscreteArrays(
+        self._memory = FilterMemory(
             self.DeclareDiscreteState,
-            {
-                **vars(MakeInitialState(config.num_particles, nominal_poses)),
-                _SAMPLES: joint_samples.make_empty_rows(rows, num_joints),
-                _DETECTIONS: recent_detections.make_empty_rows(
-                    num_objects, rows
-                ),
-                _UPDATE_TIME: np.array([-1.0]),
-            },
+            config=config,
+            nominal_poses=nominal_poses,
+            num_joints=num_joints,
         )
         # Contexts and processes of the models: no information is in them.
         self._scratch_index = self.DeclareCacheEntry(
             "scratch",
             ValueProducer(
-                allocate=lambda: Value(FilterScratch(update, config.period)),
+                allocate=lambda: Value(
+                    FilterScratch(
+                        update, config.period, object_names, joint_names
+                    )
+                ),
                 calc=ValueProducer.NoopCalc,
             ),
             {self.nothing_ticket()},
@@ -152,7 +152,7 @@ class PhysicsBasedParticleFilter(LeafSystem):
         self._DeclareEvents()
 
     def _DeclareOutputs(self) -> None:
-        index = self._arrays.index
+        index = self._memory.index
         num_objects = len(self._object_names)
         poses, weights, estimates, num_estimates = (
             self.discrete_state_ticket(index(name))
@@ -185,8 +185,9 @@ class PhysicsBasedParticleFilter(LeafSystem):
             calc=self._CalcTracked,
             prerequisites_of_calc={num_estimates},
         )
-        self.DeclareStateOutputPort("detected", index("detected"))
-        self.DeclareStateOutputPort("update_time", index(_UPDATE_TIME))
+        for port in "detected", "update_time", "detection_counts":
+            self.DeclareStateOutputPort(port, index(port))
+        self.DeclareStateOutputPort("num_rejected", index("num_rejected"))
 
     def _DeclareEvents(self) -> None:
         period, samples = self._config.period, self._config.control_samples
@@ -207,55 +208,53 @@ class PhysicsBasedParticleFilter(LeafSystem):
 
         Where a simulation goes on from a context that has samples, they stay.
         """
-        samples = self._Read(context, _SAMPLES)
+        samples = self._memory.Samples(context.get_discrete_state())
         if np.isfinite(samples[-1, 0]) and samples[-1, 0] <= context.get_time():
             return
         sample = self._ReadJoints(context, samples[-1])
-        self._arrays.Write(values, _SAMPLES, np.tile(sample, len(samples)))
-        self._arrays.Write(values, _UPDATE_TIME, np.array([-1.0]))
+        self._memory.WriteSamples(values, np.tile(sample, (len(samples), 1)))
+        self._memory.WriteUpdateTime(values, -1.0)
 
     def _Sample(self, context: Context, values: DiscreteValues) -> None:
         """Keeps joints and detections until the next update."""
-        samples = self._Read(context, _SAMPLES)
+        samples = self._memory.Samples(context.get_discrete_state())
         now = self._ReadJoints(context, samples[-1])
         samples = joint_samples.append_row(samples, now)
-        self._arrays.Write(values, _SAMPLES, samples)
-        detections = self._ReadDetections(context)
-        self._arrays.Write(values, _DETECTIONS, detections)
+        self._memory.WriteSamples(values, samples)
+        self._memory.WriteDetections(values, self._ReadDetections(context))
 
     def _Update(self, context: Context, values: DiscreteValues) -> None:
         start = wall_clock.perf_counter()
         self._Sample(context, values)
-        samples = self._arrays.Read(values, _SAMPLES)
-        detections = self._arrays.Read(values, _DETECTIONS)
-        (last_time,) = self._Read(context, _UPDATE_TIME)
-        bend = self._velocities_port.HasValue(context)
-        state = self._State(context)
         scratch = self.get_cache_entry(self._scratch_index).Eval(context)
+        last_time = self._memory.UpdateTime(context.get_discrete_state())
+        self._memory.WriteUpdateTime(values, context.get_time())
+        path = joint_samples.path_since(
+            self._memory.Samples(values),
+            last_time,
+            bend=self._velocities_port.HasValue(context),
+        )
+        scratch.warnings.CheckJoints(path.positions[-1])
+        if not np.all(np.isfinite(path.positions)):
+            return
+        detections = self._memory.Detections(values)
+        state = self._memory.State(context)
         to_period = self._config.adaptive_count.to_period
         state = self._update.Update(
             state,
-            path=joint_samples.path_since(samples, last_time, bend=bend),
-            detections=recent_detections.unused_detections(
-                detections, state.detection_times
-            ),
+            path=path,
+            detections=detections.unused(state.detection_times),
             scratch=scratch.ForUpdate(),
             most=scratch.pace.MaxParticles() if to_period else None,
         )
-        for name, array in vars(state).items():
-            self._arrays.Write(values, name, array)
-        self._arrays.Write(values, _UPDATE_TIME, np.array([context.get_time()]))
+        self._memory.WriteState(values, state)
+        scratch.warnings.CheckDetections(
+            detections.detection_counts, state.num_rejected
+        )
         seconds = wall_clock.perf_counter() - start
         scratch.pace.AddUpdate(seconds, int(state.num_used[0]))
         if self._on_update:
             self._on_update(seconds)
-
-    def _State(self, context: Context) -> FilterState:
-        names = [field.name for field in fields(FilterState)]
-        return FilterState(**{n: self._Read(context, n) for n in names})
-
-    def _Read(self, context: Context, name: str) -> np.ndarray:
-        return self._arrays.Read(context.get_discrete_state(), name)
 
     def _ReadJoints(self, context: Context, last: np.ndarray) -> np.ndarray:
         """Returns the sample of now."""
@@ -265,9 +264,9 @@ class PhysicsBasedParticleFilter(LeafSystem):
         time = context.get_time()
         return joint_samples.make_row(time, positions, velocities, last)
 
-    def _ReadDetections(self, context: Context) -> np.ndarray:
+    def _ReadDetections(self, context: Context) -> RecentDetections:
         """Returns the stored detections with those of now."""
-        stored = self._Read(context, _DETECTIONS)
+        stored = self._memory.Detections(context.get_discrete_state())
         if not self._measurement_port.HasValue(context):
             return stored
         return recent_detections.add_measurement(
@@ -276,23 +275,26 @@ class PhysicsBasedParticleFilter(LeafSystem):
             object_names=self._object_names,
             now=context.get_time(),
             max_age=self._config.max_detection_age,
+            bounds=self._bounds,
         )
 
     def _CalcEstimatedPoses(
         self, context: Context, output: AbstractValue
     ) -> None:
-        poses = self._State(context).estimates[0]
+        poses = self._memory.State(context).estimates[0]
         output.set_value([rigid_transform(pose) for pose in poses])
 
     def _CalcEffectiveSampleSize(
         self, context: Context, output: BasicVector
     ) -> None:
-        weights = self._State(context).weights
+        weights = self._memory.State(context).weights
         output.SetFromVector([effective_sample_size(weights)])
 
     def _CalcCovariances(self, context: Context, output: BasicVector) -> None:
-        state, noise = self._State(context), self._config.initial_noise
+        state, noise = self._memory.State(context), self._config.initial_noise
         output.SetFromVector(belief_covariances(state, noise).ravel())
 
     def _CalcTracked(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(1.0 * (self._State(context).num_estimates > 0))
+        output.SetFromVector(
+            1.0 * (self._memory.State(context).num_estimates > 0)
+        )

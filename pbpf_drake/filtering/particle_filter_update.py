@@ -17,23 +17,22 @@ from pbpf_drake.config.visibility_config import VisibilityConfig
 from pbpf_drake.filtering.adaptive_count import count_particles
 from pbpf_drake.filtering.filter_state import FilterState, StampedPose
 from pbpf_drake.filtering.next_state import make_next_state
-from pbpf_drake.filtering.observation_model import (
-    poses_at_last_images,
-    weigh_by_detections,
-)
+from pbpf_drake.filtering.observation_model import weigh_by_detections
 from pbpf_drake.filtering.particle_cloud import ParticleCloud
 from pbpf_drake.filtering.particle_redraw import (
     RedrawnParticles,
     redraw_particles,
 )
+from pbpf_drake.filtering.particle_trail import ParticleTrail
 from pbpf_drake.filtering.pose_noise import add_process_noise
 from pbpf_drake.filtering.resampling import (
     normalize_log_weights,
     systematic_resample,
 )
-from pbpf_drake.filtering.track_loss import find_lost_tracks
+from pbpf_drake.filtering.track_loss import count_rejected, find_lost_tracks
 from pbpf_drake.filtering.update_step import UpdateStep, make_update_step
 from pbpf_drake.motion.control_path import ControlPath
+from pbpf_drake.motion.motion_checks import check_motion, check_shape
 from pbpf_drake.motion.motion_model import (
     MotionInput,
     MotionModel,
@@ -125,13 +124,14 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
         survivors = self._Resample(state, step, most)
         motion = self._Predict(survivors, step, scratch)
         predicted = self._AddNoise(motion, step)
+        trail = self._Trail(survivors, predicted, step)
         # Not in the paper: where tracks begin or are lost, particles are drawn
         # from the detections, and whatever penetrates something is pushed out.
         disagreement, lost = find_lost_tracks(
-            state.disagreement, predicted, motion.supports, step, config
+            state.disagreement, trail, motion.supports, step, config
         )
         redrawn = redraw_particles(predicted, lost, step, config)
-        cloud = self._PushOut(survivors, motion, redrawn, step, scratch)
+        cloud = self._PushOut(trail, motion, redrawn, step, scratch)
         log_weights = weigh_by_detections(cloud, step, config.detection_noise)
         log_weights += self._WeighByVisibility(cloud, step, scratch)
         weights = normalize_log_weights(log_weights)
@@ -140,8 +140,11 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
             step=step,
             cloud=cloud,
             weights=weights,
-            mean=mean_pose(cloud.end, weights),
+            mean=mean_pose(cloud.trail.end, weights),
             disagreement=disagreement,
+            num_rejected=count_rejected(
+                state.num_rejected, trail, step, config.detection_noise
+            ),
         )
 
     def _Resample(
@@ -157,6 +160,7 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
             state,
             poses=state.poses[survivors],
             velocities=state.velocities[survivors],
+            history=state.history[:, survivors],
         )
 
     def _Predict(
@@ -175,7 +179,8 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
             num_estimates=survivors.num_estimates,
             step=step.number,
         )
-        return self._motion_model.Propagate(motion, scratch.motion)
+        result = self._motion_model.Propagate(motion, scratch.motion)
+        return check_motion(result, motion, self._motion_model)
 
     def _AddNoise(self, motion: MotionResult, step: UpdateStep) -> np.ndarray:
         """+ ε, ε ~ N(0, σ_f²) (Section 4.1), for the tracked objects."""
@@ -187,9 +192,19 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
         )
         return np.where(step.active[:, None], noisy, motion.poses)
 
+    def _Trail(
+        self, survivors: FilterState, predicted: np.ndarray, step: UpdateStep
+    ) -> ParticleTrail:
+        """Returns where the predicted particles are, and were before."""
+        begin, end = step.path.times[[0, -1]]
+        return ParticleTrail(
+            times=np.array([*survivors.history_times, begin, end]),
+            poses=np.stack([*survivors.history, survivors.poses, predicted]),
+        )
+
     def _PushOut(
         self,
-        survivors: FilterState,
+        trail: ParticleTrail,
         motion: MotionResult,
         redrawn: RedrawnParticles,
         step: UpdateStep,
@@ -197,8 +212,8 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
     ) -> ParticleCloud:
         """Pushes the particles out of what they penetrate.
 
-        A new particle rests: it is pushed out freely, and was at the step's
-        beginning where it is at the end.
+        A new particle rests: it is pushed out freely, and has always been
+        where it is at the end.
         """
         is_new = redrawn.is_new[..., None]
         end = self._motion_model.ResolvePenetration(
@@ -208,14 +223,19 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
             step.known,
             scratch.motion,
         )
+        check_shape(end, trail.end.shape, "poses", self._motion_model)
+        lost = ~np.isfinite(end).all(axis=(1, 2))
+        end[lost] = redrawn.poses[lost]
         # What is wholly new doesn't depend on the prediction that failed.
         all_new = np.all(redrawn.is_new[:, step.known], axis=1)
+        before = np.where(is_new, end, trail.poses[:-1])
         return ParticleCloud(
-            start=np.where(is_new, end, survivors.poses),
+            trail=ParticleTrail(
+                trail.times, np.concatenate([before, end[None]])
+            ),
             drawn=redrawn.poses,
-            end=end,
             velocities=np.where(is_new, 0.0, motion.velocities),
-            failed=motion.failed & ~all_new,
+            failed=(motion.failed & ~all_new) | lost,
         )
 
     def _WeighByVisibility(
@@ -225,11 +245,13 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
         scratch: UpdateScratch[MotionScratch],
     ) -> np.ndarray:
         """The visibility's share of log w (Section 4.3), (n,)."""
-        log_weights = np.zeros(len(cloud.end))
+        log_weights = np.zeros(len(cloud.drawn))
         if self._visibility_model is None or scratch.visibility is None:
             return log_weights
         visibility = self._visibility_model.Score(
-            particles=poses_at_last_images(cloud.start, cloud.end, step),
+            particles=cloud.trail.at_last_images(
+                {k: seen[-1].time for k, seen in step.detections.items()}
+            ),
             known=step.known,
             robot_positions=step.path.positions[-1],
             rng=step.MakeGenerator(Stream.RAY_TARGETS),

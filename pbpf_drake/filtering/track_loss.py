@@ -9,8 +9,11 @@ mean that the track is lost.
 
 import numpy as np
 
+from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
-from pbpf_drake.filtering.observation_model import OUTLIER
+from pbpf_drake.filtering.filter_state import StampedPose
+from pbpf_drake.filtering.observation_model import OUTLIER, agrees
+from pbpf_drake.filtering.particle_trail import ParticleTrail
 from pbpf_drake.filtering.update_step import UpdateStep
 
 # The share of the latest disagreement in the running mean.
@@ -29,7 +32,7 @@ _LOST = 6.0
 
 def find_lost_tracks(
     last: np.ndarray,
-    predicted: np.ndarray,
+    trail: ParticleTrail,
     supports: np.ndarray,
     step: UpdateStep,
     config: ParticleFilterConfig,
@@ -42,7 +45,7 @@ def find_lost_tracks(
 
     Args:
         last: (K, 3) the disagreement after the last update, or zeros.
-        predicted: (n, K, 7) the particles x̄.
+        trail: the predicted particles, and where they were before.
         supports: (n, K, 3) the normals of what they stand on, or zeros.
         step: the update.
         config: the filter's.
@@ -54,8 +57,10 @@ def find_lost_tracks(
             continue
         disagreement[k] = mean_disagreement(
             disagreement[k],
-            predicted[:, k, 4:],
-            np.array([detection.pose[4:] for detection in seen]),
+            trail.end[:, k, 4:],
+            np.array(
+                [_position_now(trail, k, detection) for detection in seen]
+            ),
             config.detection_noise.position,
             _common_support(supports[:, k]),
         )
@@ -63,6 +68,46 @@ def find_lost_tracks(
             lost[k] = True
             disagreement[k] = 0.0
     return disagreement, lost
+
+
+def count_rejected(
+    last: np.ndarray,
+    trail: ParticleTrail,
+    step: UpdateStep,
+    stddev: PoseStddev,
+) -> np.ndarray:
+    """Returns how many detections in a row were outliers to all, (K,).
+
+    It is 0 after one that some particle agrees with, and of what isn't
+    tracked.
+
+    Args:
+        last: (K,) what this function returned at the last update, or zeros.
+        trail: the predicted particles, and where they were before.
+        step: the update.
+        stddev: σ_DOPE.
+    """
+    count = np.where(step.active, last, 0.0)
+    for k, seen in step.detections.items():
+        for detection in seen if step.active[k] else ():
+            poses = trail.at(detection.time, k)
+            is_fine = agrees(poses, detection.pose, stddev)
+            count[k] = 0.0 if is_fine else count[k] + 1
+    return count
+
+
+def _position_now(
+    trail: ParticleTrail, k: int, detection: StampedPose
+) -> np.ndarray:
+    """Returns a detected position (3,) as far on as particles have moved.
+
+    Only of a detection that is older than the update they have moved far.
+    """
+    position = detection.pose[4:]
+    if detection.time >= trail.times[-2]:
+        return position
+    moved = trail.end[:, k, 4:] - trail.at(detection.time, k)[:, 4:]
+    return position + np.mean(moved, axis=0)
 
 
 def mean_disagreement(

@@ -19,7 +19,8 @@ class UpdateStep:
         seed: the filter's. Randomness is a function of number and seed.
         path: u_t, what the robot did since the last update.
         detections: DOPE(z_t): by object index, the detections that no update
-            has used yet, the latest last; no empty ones.
+            has used yet, the latest last; no empty ones. They may be older
+            than the path.
         active: (K,) whether an object was tracked before this update.
         known: (K,) whether it is active, or detected now. The particles of
             all other objects mean nothing.
@@ -35,12 +36,6 @@ class UpdateStep:
     def MakeGenerator(self, stream: Stream) -> np.random.Generator:
         """Returns the random numbers of this update for one purpose."""
         return MakeGenerator(seed=self.seed, step=self.number, stream=stream)
-
-    def fraction(self, time: float) -> float:
-        """Returns how much of the path had passed at a time."""
-        times = self.path.times
-        duration = max(times[-1] - times[0], 1e-9)
-        return (time - times[0]) / duration
 
 
 def make_update_step(

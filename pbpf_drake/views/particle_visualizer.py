@@ -36,6 +36,8 @@ _PARTICLE_OPACITY = 0.03
 _FILL_OPACITY = 0.25
 # More particles than this aren't drawn, or Meshcat gets slow.
 _MAX_DRAWN = 70
+# A detection that is older than this isn't new any more (in seconds).
+_NEW = 0.25
 
 
 class ParticleVisualizer(LeafSystem):
@@ -99,8 +101,6 @@ class ParticleVisualizer(LeafSystem):
         self._truth_names = tuple(
             self._names if ground_truth_names is None else ground_truth_names
         )
-        # A detection that is older than this isn't new any more.
-        self._max_age = scene.filter.max_detection_age
         drawn = min(num_particles, _MAX_DRAWN)
         self._drawn = np.linspace(0, num_particles - 1, drawn).astype(int)
         self._shape = (num_particles, len(self._names), 7)
@@ -191,7 +191,7 @@ class ParticleVisualizer(LeafSystem):
                 self._Show(f"detection/{name}", False, time)
                 continue
             self._Place(f"detection/{name}", detection.X_WO, time)
-            is_new = time - detection.time <= self._max_age
+            is_new = time - detection.time <= _NEW
             self._Show(f"detection/{name}/fill", is_new, time)
 
     def _Place(self, path: str, X_WO: RigidTransform, time: float) -> None:

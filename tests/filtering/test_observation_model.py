@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation, Slerp
+from scipy.spatial.transform import Rotation
 from scipy.stats import multivariate_normal, norm
 
 from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.filtering.observation_model import (
+    agrees,
     detection_log_likelihood,
-    poses_at,
 )
 from pbpf_drake.poses.quaternions import angle_between, from_rotation_vector
 
@@ -23,38 +23,6 @@ END = _pose([0.4, -0.8, 0.2], [0.5, 0.0, 0.9])[None]
 
 def _scipy(pose):
     return Rotation.from_quat(pose[[1, 2, 3, 0]])
-
-
-@pytest.mark.parametrize("fraction", [-1.0, 0.0])
-def test_pose_at_the_start_and_before_is_the_first(fraction):
-    np.testing.assert_array_equal(poses_at(START, END, fraction), START)
-
-
-@pytest.mark.parametrize("fraction", [1.0, 1.5])
-def test_pose_at_the_end_and_after_is_the_last(fraction):
-    np.testing.assert_allclose(poses_at(START, END, fraction), END, atol=1e-15)
-
-
-@pytest.mark.parametrize("fraction", [0.1, 0.25, 0.5, 0.9])
-def test_pose_in_between_is_a_straight_way_and_nearly_an_even_turn(fraction):
-    pose = poses_at(START, END, fraction)[0]
-    np.testing.assert_allclose(
-        pose[4:], (1 - fraction) * START[0, 4:] + fraction * END[0, 4:]
-    )
-    slerp = Slerp(
-        [0, 1], Rotation.concatenate([_scipy(START[0]), _scipy(END[0])])
-    )
-    error = (slerp(fraction).inv() * _scipy(pose)).magnitude()
-    assert error < (1e-12 if fraction == 0.5 else 5e-3)
-    np.testing.assert_allclose(np.linalg.norm(pose[:4]), 1, atol=1e-15)
-
-
-def test_the_sign_of_a_quaternion_makes_no_difference_on_the_way():
-    other = END.copy()
-    other[:, :4] *= -1
-    np.testing.assert_allclose(
-        poses_at(START, other, 0.3), poses_at(START, END, 0.3), atol=1e-15
-    )
 
 
 def test_likelihood_is_that_of_independent_gaussians():
@@ -126,3 +94,19 @@ def test_likelihood_of_the_opposite_orientation_is_that_of_half_a_turn():
     assert angle_between(flipped[:4], START[0, :4]) == pytest.approx(np.pi)
     value = detection_log_likelihood(START, flipped, wide)
     assert value[0] == pytest.approx(-0.5 * np.pi**2, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "distance, angle, expected",
+    [(4.9, 4.9, True), (5.1, 0.0, False), (0.0, 5.1, False)],
+)
+def test_an_outlier_is_five_deviations_off_in_either(distance, angle, expected):
+    turn = from_rotation_vector(np.array([0.0, angle * STDDEV.rotation, 0.0]))
+    detection = np.array([*turn, 0.1 + distance * STDDEV.position, 0.2, 0.3])
+    assert agrees(START, detection, STDDEV) == expected
+
+
+def test_one_particle_is_enough_to_agree():
+    far = START + [0, 0, 0, 0, 1.0, 0, 0]
+    assert agrees(np.concatenate([far, START]), START[0], STDDEV)
+    assert not agrees(far, START[0], STDDEV)

@@ -32,11 +32,17 @@ def _make(scene, **changes) -> FilterRun:
 
 
 @pytest.mark.parametrize(
-    "measurement",
+    "measurement, is_counted",
     [
-        pytest.param(detections(0.3, block=[np.nan, 0, 0]), id="NaN position"),
-        pytest.param(detections(0.3, block=[np.inf, 0, 0]), id="infinite"),
-        pytest.param(detections(0.3, block=[0, 1e200, 0]), id="out of range"),
+        pytest.param(
+            detections(0.3, block=[np.nan, 0, 0]), True, id="NaN position"
+        ),
+        pytest.param(
+            detections(0.3, block=[np.inf, 0, 0]), True, id="infinite"
+        ),
+        pytest.param(
+            detections(0.3, block=[0, 1e200, 0]), True, id="out of range"
+        ),
         pytest.param(
             DopeMeasurement(
                 {
@@ -48,21 +54,30 @@ def _make(scene, **changes) -> FilterRun:
                     )
                 }
             ),
+            True,
             id="NaN rotation",
         ),
-        pytest.param(detections(np.nan, block=AWAY), id="NaN stamp"),
-        pytest.param(detections(np.inf, block=AWAY), id="infinite stamp"),
-        pytest.param(detections(0.05, block=AWAY), id="older than the last"),
-        pytest.param(detections(0.1, block=AWAY), id="as old as the last"),
-        pytest.param(detections(0.0, block=AWAY), id="stale"),
-        pytest.param(detections(-1e9, block=AWAY), id="long ago"),
-        pytest.param(detections(0.45, block=AWAY), id="of the future"),
-        pytest.param(detections(1e9, block=AWAY), id="of the far future"),
-        pytest.param(detections(0.3, other=AWAY), id="of something else"),
-        pytest.param(DopeMeasurement(), id="empty"),
+        pytest.param(detections(np.nan, block=AWAY), True, id="NaN stamp"),
+        pytest.param(detections(np.inf, block=AWAY), True, id="infinite stamp"),
+        pytest.param(
+            detections(0.05, block=AWAY), True, id="older than the last"
+        ),
+        pytest.param(
+            detections(0.1, block=AWAY), False, id="as old as the last"
+        ),
+        pytest.param(detections(0.0, block=AWAY), True, id="stale"),
+        pytest.param(detections(-1e9, block=AWAY), True, id="long ago"),
+        pytest.param(detections(0.45, block=AWAY), True, id="of the future"),
+        pytest.param(detections(1e9, block=AWAY), True, id="of the far future"),
+        pytest.param(
+            detections(0.3, other=AWAY), False, id="of something else"
+        ),
+        pytest.param(DopeMeasurement(), False, id="empty"),
     ],
 )
-def test_a_detection_that_is_of_no_use_is_ignored(scene, measurement):
+def test_a_detection_that_is_of_no_use_is_ignored(
+    scene, measurement, is_counted
+):
     run, other = (run_tracking(scene, **MOTION) for _ in range(2))
     run.measure(measurement)
     for i in (2, 3):
@@ -72,7 +87,11 @@ def test_a_detection_that_is_of_no_use_is_ignored(scene, measurement):
         for each in (run, other):
             each.update(i)
         assert run["detected"] == [i == 3]
-    assert_same(run.ports(), other.ports())
+    ports, expected = run.ports(), other.ports()
+    # What was left out is counted.
+    left_out = ports.pop("detection_counts") - expected.pop("detection_counts")
+    assert left_out.sum() == int(is_counted)
+    assert_same(ports, expected)
 
 
 def test_a_stamp_of_the_future_is_used_when_its_time_has_come(scene):

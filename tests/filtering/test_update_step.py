@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 from update_fixtures import NOMINAL, see
 
 from pbpf_drake.filtering.filter_state import MakeInitialState
@@ -35,19 +34,6 @@ def test_random_numbers_depend_on_seed_and_purpose_alone():
     assert draw(0, Stream.RESAMPLING) == first
     assert draw(1, Stream.RESAMPLING) != first
     assert draw(0, Stream.PROCESS_NOISE) != first
-
-
-@pytest.mark.parametrize("time, share", [(0.2, 0), (0.3, 0.25), (0.6, 1)])
-def test_a_time_is_a_share_of_the_whole_path(time, share):
-    assert _step().fraction(time) == pytest.approx(share)
-
-
-def test_a_path_without_length_has_no_share_that_is_not_a_number():
-    path = ControlPath(np.array([0.2]), np.zeros((1, 1)))
-    step = make_update_step(
-        MakeInitialState(4, NOMINAL), seed=0, path=path, detections={}
-    )
-    assert step.fraction(0.2) == 0
 
 
 def test_a_mask_is_true_at_the_keys():
