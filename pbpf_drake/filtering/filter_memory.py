@@ -20,6 +20,8 @@ from pbpf_drake.filtering.recent_detections import (
     make_no_detections,
 )
 
+# More updates are not remembered (2 s of 30 updates per second).
+_LONGEST_HISTORY = 60
 _SAMPLES = "joint_samples"
 _UPDATE_TIME = "update_time"
 
@@ -115,9 +117,10 @@ class FilterMemory:
 
 
 def history_length(config: ParticleFilterConfig) -> int:
-    """Returns of how many updates a detection may be older, at most.
+    """Returns how many earlier updates are remembered for late detections.
 
-    An update itself knows where its particles were one period ago.
+    An update itself knows where its particles were one period ago. What is
+    older than all that is remembered weighs the oldest.
     """
     periods = config.max_detection_age / config.period
-    return max(0, math.ceil(periods - 1 - 1e-9))
+    return min(max(0, math.ceil(periods - 1 - 1e-9)), _LONGEST_HISTORY)

@@ -4,6 +4,7 @@ import numpy as np
 
 from pbpf_drake.filtering.filter_state import FilterState
 from pbpf_drake.filtering.particle_cloud import ParticleCloud
+from pbpf_drake.filtering.track_loss import TrackWatch
 from pbpf_drake.filtering.update_step import UpdateStep, index_mask
 
 
@@ -14,8 +15,7 @@ def make_next_state(
     cloud: ParticleCloud,
     weights: np.ndarray,
     mean: np.ndarray,
-    disagreement: np.ndarray,
-    num_rejected: np.ndarray,
+    watch: TrackWatch,
 ) -> FilterState:
     """Returns the state after an update that had n of M particles.
 
@@ -28,8 +28,7 @@ def make_next_state(
         cloud: its particles.
         weights: (n,) of them, with the sum 1.
         mean: (K, 7) x̃_t.
-        disagreement: (K, 3) see track_loss.
-        num_rejected: (K,) see FilterState.
+        watch: what its detections say of the tracks.
     """
     num_spare = len(state.weights) - len(weights)
     last = state.estimates[0]
@@ -45,8 +44,8 @@ def make_next_state(
         num_estimates=np.minimum(state.num_estimates + step.known, 2),
         detection_times=times,
         detected=index_mask(step.detections, len(times)) * 1.0,
-        disagreement=disagreement,
-        num_rejected=num_rejected,
+        disagreement=watch.disagreement,
+        num_rejected=watch.num_rejected,
         history=_repeat(cloud.trail.poses[1:-1], num_spare, axis=1),
         history_times=cloud.trail.times[1:-1],
         step=state.step + 1,

@@ -29,7 +29,7 @@ from pbpf_drake.filtering.resampling import (
     normalize_log_weights,
     systematic_resample,
 )
-from pbpf_drake.filtering.track_loss import count_rejected, find_lost_tracks
+from pbpf_drake.filtering.track_loss import watch_tracks
 from pbpf_drake.filtering.update_step import UpdateStep, make_update_step
 from pbpf_drake.motion.control_path import ControlPath
 from pbpf_drake.motion.motion_checks import check_motion, check_shape
@@ -127,10 +127,8 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
         trail = self._Trail(survivors, predicted, step)
         # Not in the paper: where tracks begin or are lost, particles are drawn
         # from the detections, and whatever penetrates something is pushed out.
-        disagreement, lost = find_lost_tracks(
-            state.disagreement, trail, motion.supports, step, config
-        )
-        redrawn = redraw_particles(predicted, lost, step, config)
+        watch = watch_tracks(state, trail, motion.supports, step, config)
+        redrawn = redraw_particles(predicted, watch.lost, step, config)
         cloud = self._PushOut(trail, motion, redrawn, step, scratch)
         log_weights = weigh_by_detections(cloud, step, config.detection_noise)
         log_weights += self._WeighByVisibility(cloud, step, scratch)
@@ -141,10 +139,7 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
             cloud=cloud,
             weights=weights,
             mean=mean_pose(cloud.trail.end, weights),
-            disagreement=disagreement,
-            num_rejected=count_rejected(
-                state.num_rejected, trail, step, config.detection_noise
-            ),
+            watch=watch,
         )
 
     def _Resample(

@@ -7,11 +7,13 @@ an outlier; several that agree with each other, but not with the particles,
 mean that the track is lost.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
-from pbpf_drake.filtering.filter_state import StampedPose
+from pbpf_drake.filtering.filter_state import FilterState, StampedPose
 from pbpf_drake.filtering.observation_model import OUTLIER, agrees
 from pbpf_drake.filtering.particle_trail import ParticleTrail
 from pbpf_drake.filtering.update_step import UpdateStep
@@ -28,46 +30,65 @@ _LARGEST_OUTLIER = 2.0
 # before it is hidden, and where the track is intact, drawing particles anew
 # does little harm.
 _LOST = 6.0
+# So does one that so many detections in a row are outliers to, also if it is
+# for their rotations.
+_REJECTED = 8
 
 
-def find_lost_tracks(
-    last: np.ndarray,
+@dataclass(frozen=True)
+class TrackWatch:
+    """What the detections of an update say of the tracks.
+
+    Attributes:
+        disagreement: (K, 3) the running means; see mean_disagreement.
+        num_rejected: (K,) how many detections in a row were outliers to all
+            particles.
+        lost: (K,) which tracks are lost. Their other two are reset.
+    """
+
+    disagreement: np.ndarray
+    num_rejected: np.ndarray
+    lost: np.ndarray
+
+
+def watch_tracks(
+    state: FilterState,
     trail: ParticleTrail,
     supports: np.ndarray,
     step: UpdateStep,
     config: ParticleFilterConfig,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the disagreement of all objects, (K, 3), and what is lost, (K,).
+) -> TrackWatch:
+    """Compares detections with particles.
 
-    The disagreement begins anew where a track is lost, and stays as it is
-    where an object isn't tracked or wasn't detected. Nothing counts as lost
-    unless ``recover_lost_tracks`` is set.
+    The disagreement stays as it is where an object isn't tracked or wasn't
+    detected. Nothing counts as lost unless ``recover_lost_tracks`` is set.
 
     Args:
-        last: (K, 3) the disagreement after the last update, or zeros.
+        state: the state after the last update.
         trail: the predicted particles, and where they were before.
         supports: (n, K, 3) the normals of what they stand on, or zeros.
         step: the update.
         config: the filter's.
     """
-    disagreement = last.copy()
-    lost = np.zeros(len(last), dtype=bool)
+    stddev = config.detection_noise
+    disagreement = state.disagreement.copy()
+    num_rejected = count_rejected(state.num_rejected, trail, step, stddev)
+    lost = np.zeros(len(disagreement), dtype=bool)
     for k, seen in step.detections.items():
         if not step.active[k]:
             continue
         disagreement[k] = mean_disagreement(
             disagreement[k],
             trail.end[:, k, 4:],
-            np.array(
-                [_position_now(trail, k, detection) for detection in seen]
-            ),
-            config.detection_noise.position,
+            np.array([_position_now(trail, k, x) for x in seen]),
+            stddev.position,
             _common_support(supports[:, k]),
         )
-        if config.recover_lost_tracks and is_lost(disagreement[k]):
+        is_gone = is_lost(disagreement[k]) or num_rejected[k] >= _REJECTED
+        if config.recover_lost_tracks and is_gone:
             lost[k] = True
-            disagreement[k] = 0.0
-    return disagreement, lost
+            disagreement[k] = num_rejected[k] = 0.0
+    return TrackWatch(disagreement, num_rejected, lost)
 
 
 def count_rejected(

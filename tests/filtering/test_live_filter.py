@@ -62,3 +62,23 @@ def test_a_live_loop_may_be_late(scene):
         assert np.all(np.isfinite(X_WO.GetAsMatrix4()))
     truth = LOG.ground_truth["block"].p_WO[0]
     np.testing.assert_allclose(X_WO.translation(), truth, atol=0.04)
+
+
+def test_a_clock_that_goes_back_is_refused(scene):
+    driver = StationDriver(MakeStation(scene, LOG))
+    live = LiveFilter(scene=scene, start=driver.Read(0.0))
+    live.Update(driver.Read(2 * PERIOD))
+    for time in (2 * PERIOD, PERIOD):
+        reading = replace(driver.Read(3 * PERIOD), time=time)
+        with pytest.raises(ValueError, match="a clock that never goes back"):
+            live.Update(reading)
+
+
+def test_all_that_the_ports_give_can_be_had(scene):
+    driver = StationDriver(MakeStation(scene, LOG))
+    live = LiveFilter(scene=scene, start=driver.Read(0.0))
+    live.Update(driver.Read(PERIOD))
+    assert live.Output("covariances").shape == (36,)
+    assert live.Output("update_time") == [PERIOD]
+    with pytest.raises(RuntimeError, match="no_such_port"):
+        live.Output("no_such_port")

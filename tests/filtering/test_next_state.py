@@ -5,6 +5,7 @@ from pbpf_drake.filtering.filter_state import MakeInitialState
 from pbpf_drake.filtering.next_state import make_next_state
 from pbpf_drake.filtering.particle_cloud import ParticleCloud
 from pbpf_drake.filtering.particle_trail import ParticleTrail
+from pbpf_drake.filtering.track_loss import TrackWatch
 from pbpf_drake.filtering.update_step import make_update_step
 from pbpf_drake.motion.control_path import ControlPath
 
@@ -31,8 +32,11 @@ def _next(count: int = 3, num_particles: int = 7):
         ),
         weights=np.full(count, 1 / count),
         mean=np.full((2, 7), 9.0),
-        disagreement=np.zeros((2, 3)),
-        num_rejected=np.array([0.0, 2.0]),
+        watch=TrackWatch(
+            disagreement=np.zeros((2, 3)),
+            num_rejected=np.array([0.0, 2.0]),
+            lost=np.zeros(2, dtype=bool),
+        ),
     )
     return state, after, poses
 

@@ -178,3 +178,29 @@ def test_several_detections_of_a_period_are_all_used(scene):
     run.update(1)
     x = run["estimated_poses"][0, 4]
     assert x == pytest.approx(0.64 / 3, abs=0.002)
+
+
+def test_what_is_far_from_the_scene_is_not_believed(scene):
+    run = _make(scene)
+    run.measure(detections(0.1, block=[0.2, 0.0, -5.0]))
+    run.update(1)
+    assert run["tracked"] == [0]
+    assert run["detection_counts"].tolist() == [0, 0, 0, 0, 1]
+
+
+@pytest.mark.parametrize(
+    "detection, path, kind",
+    [
+        (Detection(None, 0.1), "X_WO", "NoneType"),
+        (Detection(RigidTransform(), "0.1"), "time", "str"),
+        (None, "", "NoneType"),
+    ],
+)
+def test_a_detection_of_the_wrong_type_is_named(scene, detection, path, kind):
+    run = _make(scene)
+    run.measure(DopeMeasurement({"block": detection}))
+    with pytest.raises(
+        TypeError,
+        match=rf"dope_measurement\.detections\['block'\]\.?{path} is a {kind}",
+    ):
+        run.update(1)

@@ -156,3 +156,16 @@ def test_whatever_comes_in_what_goes_out_is_finite(
     np.testing.assert_allclose(
         run["estimated_poses"][0, 4:6], AWAY[:2], atol=0.05
     )
+
+
+def test_nothing_is_tracked_before_every_joint_has_a_position(scene, caplog):
+    run = FilterRun(scene, small_config(scene), joints=(np.nan, PROBE[1]))
+    run.measure(detections(0.1, block=BLOCK))
+    run.update(2)
+    assert run["tracked"] == [0]
+    assert caplog.text.count("['pusher_x'] have no finite position") == 1
+    run.set_joints(PROBE)
+    run.measure(detections(2.6 * PERIOD, block=BLOCK))
+    run.update(3)
+    assert run["tracked"] == [1]
+    assert all(np.isfinite(value).all() for value in run.ports().values())

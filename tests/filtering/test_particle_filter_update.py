@@ -174,3 +174,32 @@ def test_one_outlier_does_not_draw_particles_anew(size):
     for p in ([0, 0, 0], [size, 0, 0], [0, 0, 0], [0, 0, 0]):
         state = step(update, state, {0: [see(state, p)]})
         assert np.max(np.abs(state.poses[:, 0, 4:])) < 0.1
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.3, 1.7])
+def test_a_late_detection_weighs_the_past_that_it_saw(delay):
+    """The object moves by 18 mm in a period, and all detections are exact."""
+    update = make_update(
+        num_particles=2000,
+        process_noise=PoseStddev(),
+        detection_noise=PoseStddev(position=0.02, rotation=0.09),
+    )
+    state = MakeInitialState(2000, NOMINAL, history_length=12)
+    rng = np.random.default_rng(1)
+    state.poses[:, 0, 4:] += rng.normal(0.0, 0.03, (2000, 3))
+    state.num_estimates[:] = 2
+    truth = NOMINAL[0, 4:]
+    for i in range(1, 25):
+        time = PERIOD * i - delay
+        seen = see(state, truth + VELOCITY * time, 1 - delay / PERIOD)
+        state = step(update, state, {0: [seen]} if time >= 0 else {})
+    expected = truth + VELOCITY * PERIOD * 24
+    np.testing.assert_allclose(state.estimates[0, 0, 4:], expected, atol=0.004)
+
+
+def test_of_what_is_older_than_all_memory_the_oldest_counts():
+    update = make_update(num_particles=50, process_noise=PoseStddev())
+    state = make_cloud(np.array([0.3, 0.2, 0.1]), 1e-4 * np.eye(3), 50)
+    seen = see(state, [0.3, 0.2, 0.1], -100.0)
+    after = step(update, state, {0: [seen]})
+    assert np.isfinite(after.weights).all()

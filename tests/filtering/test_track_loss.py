@@ -2,8 +2,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
+from update_fixtures import NOMINAL, make_config
 
-from pbpf_drake.filtering.track_loss import is_lost, mean_disagreement
+from pbpf_drake.filtering.filter_state import MakeInitialState, StampedPose
+from pbpf_drake.filtering.particle_trail import ParticleTrail
+from pbpf_drake.filtering.track_loss import (
+    is_lost,
+    mean_disagreement,
+    watch_tracks,
+)
+from pbpf_drake.filtering.update_step import make_update_step
+from pbpf_drake.motion.control_path import ControlPath
 
 STDDEV = 0.02
 # Six particles, whose covariance is SPREAD² along each axis, about MEAN.
@@ -137,3 +146,61 @@ def test_what_a_support_prevents_is_no_disagreement():
     up = np.array([0.0, 0.0, 1.0])
     found = _compare([0.02, -0.01, 0.07], support=up)
     np.testing.assert_allclose(found, _compare([0.02, -0.01, 0.0]), atol=1e-9)
+
+
+def _watch(detections, *, state=None, **changes):
+    """Watches an object that moved by 1 m along x in a second.
+
+    Args:
+        detections: stamps, x and turns about z.
+        state: before it.
+        changes: of the config.
+    """
+    if state is None:
+        state = MakeInitialState(5, NOMINAL)
+        state.num_estimates[:] = 1
+    times = np.array([0.0, 0.9, 1.0])
+    poses = np.tile(NOMINAL, (3, 5, 1, 1))
+    poses[..., 4] = times[:, None, None]
+    seen = []
+    for time, x, turn in detections:
+        pose = NOMINAL[0].copy()
+        pose[[0, 3]] = np.cos(turn / 2), np.sin(turn / 2)
+        pose[4] = x
+        seen.append(StampedPose(time, pose))
+    path = ControlPath(np.array([0.9, 1.0]), np.zeros((2, 1)))
+    return watch_tracks(
+        state,
+        ParticleTrail(times, poses),
+        np.zeros((5, 1, 3)),
+        make_update_step(state, seed=0, path=path, detections={0: seen}),
+        make_config(**changes),
+    )
+
+
+def test_a_late_detection_is_compared_with_where_particles_were():
+    watch = _watch([(0.25, 0.25, 0.0)])
+    np.testing.assert_allclose(watch.disagreement, 0.0, atol=1e-12)
+    assert watch.num_rejected == [0]
+    assert _watch([(0.25, 1.0, 0.0)]).num_rejected == [1]
+
+
+def test_outliers_in_a_row_are_counted_until_one_agrees():
+    off, on = (1.0, 3.0, 0.0), (1.0, 1.0, 0.0)
+    assert _watch([off, off, off]).num_rejected == [3]
+    assert _watch([off, off, on]).num_rejected == [0]
+    assert _watch([on, off]).num_rejected == [1]
+
+
+def test_a_track_is_lost_if_all_rotations_are_far_off():
+    turned = [(1.0, 1.0, 3.0)] * 8
+    assert _watch(turned, recover_lost_tracks=True).lost == [True]
+    assert _watch(turned[1:], recover_lost_tracks=True).lost == [False]
+    watch = _watch(turned, recover_lost_tracks=False)
+    assert watch.lost == [False] and watch.num_rejected == [8]
+
+
+def test_what_is_said_of_a_lost_track_begins_anew():
+    watch = _watch([(1.0, 3.0, 0.0)] * 8, recover_lost_tracks=True)
+    assert watch.num_rejected == [0]
+    np.testing.assert_array_equal(watch.disagreement, np.zeros((1, 3)))
