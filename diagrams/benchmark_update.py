@@ -27,7 +27,6 @@ from pbpf_drake.diagrams.benchmark.benchmark_memory import (
     MemoryInUse,
     memory_growth,
 )
-from pbpf_drake.diagrams.benchmark.benchmark_peers import CheckPeerPackages
 from pbpf_drake.diagrams.benchmark.benchmark_table import (
     OWN,
     Measurement,
@@ -42,6 +41,7 @@ from pbpf_drake.diagrams.benchmark.benchmark_workload import (
     WORKLOADS,
     LoadWorkload,
 )
+from pbpf_drake.diagrams.benchmark.other_engines import CheckPeerPackages
 from pbpf_drake.diagrams.jobs.run_command import RunCommand
 
 # How often the memory in use is printed.

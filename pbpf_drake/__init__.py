@@ -48,13 +48,13 @@ from pbpf_drake.filtering.add_particle_filter import (
     ConfigForMethod,
     MakeParticleFilter,
 )
-from pbpf_drake.filtering.late_updates import LateUpdates
 from pbpf_drake.filtering.live_filter import LiveFilter, Reading
 from pbpf_drake.filtering.particle_filter import PhysicsBasedParticleFilter
 from pbpf_drake.filtering.particle_filter_update import ParticleFilterUpdate
 from pbpf_drake.filtering.single_snapshot_estimator import (
     SingleSnapshotEstimator,
 )
+from pbpf_drake.filtering.slow_updates import LateUpdates
 from pbpf_drake.log.dope_log_source import DopeLogSource
 from pbpf_drake.log.ground_truth_log_source import GroundTruthLogSource
 from pbpf_drake.log.joint_log_source import JointLogSource

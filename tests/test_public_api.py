@@ -36,16 +36,24 @@ def test_example_in_the_documentation_runs(capsys):
     assert "cracker" in capsys.readouterr().out
 
 
-def test_import_takes_less_than_two_seconds():
-    def seconds() -> float:
-        start = time.perf_counter()
-        subprocess.run(
-            [sys.executable, "-P", "-c", "import pbpf_drake"], check=True
-        )
-        return time.perf_counter() - start
-
-    # Others may be using the machine: the shortest is what it takes.
-    assert min(seconds() for _ in range(4)) < 2.0
+def test_import_takes_little_longer_than_that_of_drake():
+    """As a ratio: how fast the machine is, and what else it does, differs."""
+    code = "import pbpf_drake, sys; print(*sys.modules)"
+    run = [sys.executable, "-P", "-c", code]
+    loaded = subprocess.run(run, check=True, capture_output=True, text=True)
+    others = [m for m in loaded.stdout.split() if m.startswith("pydrake.")]
+    programs = [
+        "import pbpf_drake",
+        "import numpy, cv2, " + ", ".join(others),
+    ]
+    seconds: list[list[float]] = [[], []]
+    for _ in range(4):
+        for program, times in zip(programs, seconds, strict=True):
+            start = time.perf_counter()
+            subprocess.run([sys.executable, "-P", "-c", program], check=True)
+            times.append(time.perf_counter() - start)
+    ours, drakes = map(min, seconds)
+    assert ours < 2 * drakes
 
 
 def test_import_leaves_out_what_is_slow_to_import():

@@ -16,11 +16,6 @@ from pbpf_drake.diagrams.benchmark.benchmark_filter import (
     FilterRun,
     RunFilter,
 )
-from pbpf_drake.diagrams.benchmark.benchmark_peers import (
-    ENGINES,
-    MakePeer,
-    RunPeer,
-)
 from pbpf_drake.diagrams.benchmark.benchmark_reference import (
     PredictionErrors,
     PredictReference,
@@ -32,6 +27,11 @@ from pbpf_drake.diagrams.benchmark.benchmark_reference import (
 )
 from pbpf_drake.diagrams.benchmark.benchmark_table import OWN, Measurement
 from pbpf_drake.diagrams.benchmark.benchmark_workload import LoadWorkload
+from pbpf_drake.diagrams.benchmark.other_engines import (
+    ENGINES,
+    MakePeer,
+    RunPeer,
+)
 from pbpf_drake.diagrams.benchmark.pybullet_peer import MAX_WORLDS
 from pbpf_drake.motion.motion_model import MotionResult
 from pbpf_drake.scene.prediction_model import MakePredictionModel

@@ -13,7 +13,7 @@ from pbpf_drake.dope_measurement import Detection, DopeMeasurement
 from pbpf_drake.poses.pose_conversion import rigid_transform
 from pbpf_drake.scene.scene_models import AddSceneModels
 from pbpf_drake.truth.simulated_detector import SimulatedDetector
-from pbpf_drake.truth.visibility_camera import (
+from pbpf_drake.truth.true_visibility import (
     AddLabelRenderer,
     VisibilityCamera,
 )

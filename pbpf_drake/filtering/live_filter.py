@@ -15,7 +15,7 @@ from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.dope_measurement import DopeMeasurement
 from pbpf_drake.filtering.add_particle_filter import MakeParticleFilter
-from pbpf_drake.filtering.late_updates import LateUpdates
+from pbpf_drake.filtering.slow_updates import LateUpdates
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ def make_next_state(
     for k, seen in step.detections.items():
         times[k] = seen[-1].time
     return FilterState(
-        poses=_repeat(cloud.trail.end, num_spare),
+        poses=_repeat(cloud.history.end, num_spare),
         velocities=_repeat(cloud.velocities, num_spare),
         weights=np.concatenate([weights, np.zeros(num_spare)]),
         num_used=np.array([float(len(weights))]),
@@ -46,8 +46,8 @@ def make_next_state(
         detected=index_mask(step.detections, len(times)) * 1.0,
         disagreement=watch.disagreement,
         num_rejected=watch.num_rejected,
-        history=_repeat(cloud.trail.poses[1:-1], num_spare, axis=1),
-        history_times=cloud.trail.times[1:-1],
+        history=_repeat(cloud.history.poses[1:-1], num_spare, axis=1),
+        history_times=cloud.history.times[1:-1],
         step=state.step + 1,
     )
 

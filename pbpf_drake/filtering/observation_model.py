@@ -47,7 +47,7 @@ def weigh_by_detections(
     """
     log_weights = np.where(cloud.failed, -np.inf, 0.0)
     for k, seen in step.detections.items():
-        poses = [cloud.trail.at(detection.time, k) for detection in seen]
+        poses = [cloud.history.at(detection.time, k) for detection in seen]
         log_weights += _observation_log_likelihood(poses, seen, stddev)
         if not step.active[k]:
             # These detections have chosen the particles of the new track, and

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pbpf_drake.filtering.particle_trail import ParticleTrail
+from pbpf_drake.filtering.particle_history import ParticleHistory
 
 
 @dataclass(frozen=True)
@@ -12,14 +12,14 @@ class ParticleCloud:
     """The n particles that an update weighs.
 
     Attributes:
-        trail: x̄, and where they were before.
+        history: x̄, and where they were before.
         drawn: (n, K, 7) where they were before they were pushed out: qw qx qy
             qz, x y z (in meters), X_WO.
         velocities: (n, K, 6) angular (rad/s), then translational (m/s).
         failed: (n,) which could not be predicted and must not survive.
     """
 
-    trail: ParticleTrail
+    history: ParticleHistory
     drawn: np.ndarray
     velocities: np.ndarray
     failed: np.ndarray

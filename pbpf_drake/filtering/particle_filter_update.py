@@ -19,11 +19,11 @@ from pbpf_drake.filtering.filter_state import FilterState, StampedPose
 from pbpf_drake.filtering.next_state import make_next_state
 from pbpf_drake.filtering.observation_model import weigh_by_detections
 from pbpf_drake.filtering.particle_cloud import ParticleCloud
+from pbpf_drake.filtering.particle_history import ParticleHistory
 from pbpf_drake.filtering.particle_redraw import (
     RedrawnParticles,
     redraw_particles,
 )
-from pbpf_drake.filtering.particle_trail import ParticleTrail
 from pbpf_drake.filtering.pose_noise import add_process_noise
 from pbpf_drake.filtering.resampling import (
     normalize_log_weights,
@@ -124,12 +124,12 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
         survivors = self._Resample(state, step, most)
         motion = self._Predict(survivors, step, scratch)
         predicted = self._AddNoise(motion, step)
-        trail = self._Trail(survivors, predicted, step)
+        history = self._History(survivors, predicted, step)
         # Not in the paper: where tracks begin or are lost, particles are drawn
         # from the detections, and whatever penetrates something is pushed out.
-        watch = watch_tracks(state, trail, motion.supports, step, config)
+        watch = watch_tracks(state, history, motion.supports, step, config)
         redrawn = redraw_particles(predicted, watch.lost, step, config)
-        cloud = self._PushOut(trail, motion, redrawn, step, scratch)
+        cloud = self._PushOut(history, motion, redrawn, step, scratch)
         log_weights = weigh_by_detections(cloud, step, config.detection_noise)
         log_weights += self._WeighByVisibility(cloud, step, scratch)
         weights = normalize_log_weights(log_weights)
@@ -138,7 +138,7 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
             step=step,
             cloud=cloud,
             weights=weights,
-            mean=mean_pose(cloud.trail.end, weights),
+            mean=mean_pose(cloud.history.end, weights),
             watch=watch,
         )
 
@@ -187,19 +187,19 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
         )
         return np.where(step.active[:, None], noisy, motion.poses)
 
-    def _Trail(
+    def _History(
         self, survivors: FilterState, predicted: np.ndarray, step: UpdateStep
-    ) -> ParticleTrail:
+    ) -> ParticleHistory:
         """Returns where the predicted particles are, and were before."""
         begin, end = step.path.times[[0, -1]]
-        return ParticleTrail(
+        return ParticleHistory(
             times=np.array([*survivors.history_times, begin, end]),
             poses=np.stack([*survivors.history, survivors.poses, predicted]),
         )
 
     def _PushOut(
         self,
-        trail: ParticleTrail,
+        history: ParticleHistory,
         motion: MotionResult,
         redrawn: RedrawnParticles,
         step: UpdateStep,
@@ -218,15 +218,15 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
             step.known,
             scratch.motion,
         )
-        check_shape(end, trail.end.shape, "poses", self._motion_model)
+        check_shape(end, history.end.shape, "poses", self._motion_model)
         lost = ~np.isfinite(end).all(axis=(1, 2))
         end[lost] = redrawn.poses[lost]
         # What is wholly new doesn't depend on the prediction that failed.
         all_new = np.all(redrawn.is_new[:, step.known], axis=1)
-        before = np.where(is_new, end, trail.poses[:-1])
+        before = np.where(is_new, end, history.poses[:-1])
         return ParticleCloud(
-            trail=ParticleTrail(
-                trail.times, np.concatenate([before, end[None]])
+            history=ParticleHistory(
+                history.times, np.concatenate([before, end[None]])
             ),
             drawn=redrawn.poses,
             velocities=np.where(is_new, 0.0, motion.velocities),
@@ -244,7 +244,7 @@ class ParticleFilterUpdate(Generic[MotionScratch]):
         if self._visibility_model is None or scratch.visibility is None:
             return log_weights
         visibility = self._visibility_model.Score(
-            particles=cloud.trail.at_last_images(
+            particles=cloud.history.at_last_images(
                 {k: seen[-1].time for k, seen in step.detections.items()}
             ),
             known=step.known,

@@ -15,7 +15,7 @@ from pbpf_drake.config.distributions import PoseStddev
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.filtering.filter_state import FilterState, StampedPose
 from pbpf_drake.filtering.observation_model import OUTLIER, agrees
-from pbpf_drake.filtering.particle_trail import ParticleTrail
+from pbpf_drake.filtering.particle_history import ParticleHistory
 from pbpf_drake.filtering.update_step import UpdateStep
 
 # The share of the latest disagreement in the running mean.
@@ -53,7 +53,7 @@ class TrackWatch:
 
 def watch_tracks(
     state: FilterState,
-    trail: ParticleTrail,
+    history: ParticleHistory,
     supports: np.ndarray,
     step: UpdateStep,
     config: ParticleFilterConfig,
@@ -65,22 +65,22 @@ def watch_tracks(
 
     Args:
         state: the state after the last update.
-        trail: the predicted particles, and where they were before.
+        history: the predicted particles, and where they were before.
         supports: (n, K, 3) the normals of what they stand on, or zeros.
         step: the update.
         config: the filter's.
     """
     stddev = config.detection_noise
     disagreement = state.disagreement.copy()
-    num_rejected = count_rejected(state.num_rejected, trail, step, stddev)
+    num_rejected = count_rejected(state.num_rejected, history, step, stddev)
     lost = np.zeros(len(disagreement), dtype=bool)
     for k, seen in step.detections.items():
         if not step.active[k]:
             continue
         disagreement[k] = mean_disagreement(
             disagreement[k],
-            trail.end[:, k, 4:],
-            np.array([_position_now(trail, k, x) for x in seen]),
+            history.end[:, k, 4:],
+            np.array([_position_now(history, k, x) for x in seen]),
             stddev.position,
             _common_support(supports[:, k]),
         )
@@ -93,7 +93,7 @@ def watch_tracks(
 
 def count_rejected(
     last: np.ndarray,
-    trail: ParticleTrail,
+    history: ParticleHistory,
     step: UpdateStep,
     stddev: PoseStddev,
 ) -> np.ndarray:
@@ -104,30 +104,30 @@ def count_rejected(
 
     Args:
         last: (K,) what this function returned at the last update, or zeros.
-        trail: the predicted particles, and where they were before.
+        history: the predicted particles, and where they were before.
         step: the update.
         stddev: σ_DOPE.
     """
     count = np.where(step.active, last, 0.0)
     for k, seen in step.detections.items():
         for detection in seen if step.active[k] else ():
-            poses = trail.at(detection.time, k)
+            poses = history.at(detection.time, k)
             is_fine = agrees(poses, detection.pose, stddev)
             count[k] = 0.0 if is_fine else count[k] + 1
     return count
 
 
 def _position_now(
-    trail: ParticleTrail, k: int, detection: StampedPose
+    history: ParticleHistory, k: int, detection: StampedPose
 ) -> np.ndarray:
     """Returns a detected position (3,) as far on as particles have moved.
 
     Only of a detection that is older than the update they have moved far.
     """
     position = detection.pose[4:]
-    if detection.time >= trail.times[-2]:
+    if detection.time >= history.times[-2]:
         return position
-    moved = trail.end[:, k, 4:] - trail.at(detection.time, k)[:, 4:]
+    moved = history.end[:, k, 4:] - history.at(detection.time, k)[:, 4:]
     return position + np.mean(moved, axis=0)
 
 

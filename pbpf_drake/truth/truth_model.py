@@ -35,9 +35,9 @@ from pbpf_drake.truth.push_path import (
     MakeJointTrajectory,
     MakeTranslation,
 )
+from pbpf_drake.truth.true_visibility import AddLabelRenderer
 from pbpf_drake.truth.truth_contact import SetTrueContact
 from pbpf_drake.truth.truth_parameters import TruthParameters
-from pbpf_drake.truth.visibility_camera import AddLabelRenderer
 
 
 @dataclass(frozen=True)

@@ -18,12 +18,12 @@ from pbpf_drake.log.log_records import (
 from pbpf_drake.truth.simulated_detector import (
     SimulatedDetector,
 )
+from pbpf_drake.truth.true_visibility import VisibilityCamera
 from pbpf_drake.truth.truth_model import MakeTruth, MakeTruthContext, Truth
 from pbpf_drake.truth.truth_parameters import (
     TruthParameters,
     draw_truth_parameters,
 )
-from pbpf_drake.truth.visibility_camera import VisibilityCamera
 
 # When the log begins (in nanoseconds). ROS takes a stamp of 0 for none at all.
 _START_TIME = 1_000_000_000

@@ -93,7 +93,7 @@ def test_peers_that_are_missing_are_named_with_how_to_get_them(
     monkeypatch, capsys
 ):
     monkeypatch.setattr(
-        "pbpf_drake.diagrams.benchmark.benchmark_peers.find_spec",
+        "pbpf_drake.diagrams.benchmark.other_engines.find_spec",
         lambda name: None if name == "mujoco" else object(),
     )
     assert main([*TINY, "--peers"]) == 1

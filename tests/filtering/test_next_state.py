@@ -4,7 +4,7 @@ from update_fixtures import NOMINAL, see
 from pbpf_drake.filtering.filter_state import MakeInitialState
 from pbpf_drake.filtering.next_state import make_next_state
 from pbpf_drake.filtering.particle_cloud import ParticleCloud
-from pbpf_drake.filtering.particle_trail import ParticleTrail
+from pbpf_drake.filtering.particle_history import ParticleHistory
 from pbpf_drake.filtering.track_loss import TrackWatch
 from pbpf_drake.filtering.update_step import make_update_step
 from pbpf_drake.motion.control_path import ControlPath
@@ -22,7 +22,7 @@ def _next(count: int = 3, num_particles: int = 7):
         state,
         step=make_update_step(state, seed=0, path=PATH, detections={1: seen}),
         cloud=ParticleCloud(
-            trail=ParticleTrail(
+            history=ParticleHistory(
                 np.array([-0.3, -0.1, 0.0, 0.16]),
                 np.stack([poses + 3, poses + 2, poses + 1, poses]),
             ),

@@ -5,7 +5,7 @@ from scipy.stats import chi2
 from update_fixtures import NOMINAL, make_config
 
 from pbpf_drake.filtering.filter_state import MakeInitialState, StampedPose
-from pbpf_drake.filtering.particle_trail import ParticleTrail
+from pbpf_drake.filtering.particle_history import ParticleHistory
 from pbpf_drake.filtering.track_loss import (
     is_lost,
     mean_disagreement,
@@ -171,7 +171,7 @@ def _watch(detections, *, state=None, **changes):
     path = ControlPath(np.array([0.9, 1.0]), np.zeros((2, 1)))
     return watch_tracks(
         state,
-        ParticleTrail(times, poses),
+        ParticleHistory(times, poses),
         np.zeros((5, 1, 3)),
         make_update_step(state, seed=0, path=path, detections={0: seen}),
         make_config(**changes),

@@ -2,7 +2,7 @@ import logging
 
 import pytest
 
-from pbpf_drake.filtering.late_updates import LateUpdates
+from pbpf_drake.filtering.slow_updates import LateUpdates
 
 
 class _Clock:

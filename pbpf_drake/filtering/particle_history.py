@@ -8,7 +8,7 @@ from pbpf_drake.poses import quaternions
 
 
 @dataclass(frozen=True)
-class ParticleTrail:
+class ParticleHistory:
     """The poses that each surviving particle has gone through.
 
     A detection is of the past: its image has to be taken, looked at, and sent.

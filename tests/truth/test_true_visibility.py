@@ -4,8 +4,8 @@ import pytest
 from recording_fixtures import SCENES, make_parameters
 
 from pbpf_drake.config.scene_config import LoadScene
+from pbpf_drake.truth.true_visibility import VisibilityCamera, visible_share
 from pbpf_drake.truth.truth_model import MakeTruth
-from pbpf_drake.truth.visibility_camera import VisibilityCamera, visible_share
 
 
 def test_visible_share_counts_pixels():

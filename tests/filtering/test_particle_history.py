@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
-from pbpf_drake.filtering.particle_trail import ParticleTrail, poses_between
+from pbpf_drake.filtering.particle_history import ParticleHistory, poses_between
 from pbpf_drake.poses.quaternions import from_rotation_vector
 
 START = np.array([[1.0, 0, 0, 0, 0.1, 0.2, 0.3]])
@@ -55,13 +55,13 @@ def test_the_sign_of_a_quaternion_makes_no_difference_on_the_way():
     )
 
 
-def _trail(*times: float) -> ParticleTrail:
+def _history(*times: float) -> ParticleHistory:
     """Two objects of one particle; x is the time, and its square."""
     poses = np.zeros((len(times), 1, 2, 7))
     poses[..., 0] = 1.0
     finite = np.where(np.isfinite(times), times, 99.0)
     poses[:, 0, 0, 4], poses[:, 0, 1, 4] = finite, finite**2
-    return ParticleTrail(np.array(times), poses)
+    return ParticleHistory(np.array(times), poses)
 
 
 @pytest.mark.parametrize(
@@ -69,18 +69,18 @@ def _trail(*times: float) -> ParticleTrail:
     [(0.4, 0.4), (0.35, 0.35), (0.2, 0.2), (0.15, 0.15), (0.05, 0.1), (9, 0.4)],
 )
 def test_a_particle_is_where_it_was_at_a_time(time, x):
-    trail = _trail(-np.inf, 0.1, 0.2, 0.4)
-    assert trail.at(time, 0)[0, 4] == pytest.approx(x)
+    history = _history(-np.inf, 0.1, 0.2, 0.4)
+    assert history.at(time, 0)[0, 4] == pytest.approx(x)
 
 
 def test_between_two_times_the_way_is_straight():
-    assert _trail(0.0, 1.0, 3.0).at(2.0, 1)[0, 4] == pytest.approx(5.0)
+    assert _history(0.0, 1.0, 3.0).at(2.0, 1)[0, 4] == pytest.approx(5.0)
 
 
 def test_each_object_is_where_it_was_when_it_was_last_seen():
-    imaged = _trail(0.0, 1.0, 3.0).at_last_images({1: 2.0})
+    imaged = _history(0.0, 1.0, 3.0).at_last_images({1: 2.0})
     np.testing.assert_allclose(imaged[0, :, 4], [3.0, 5.0])
 
 
 def test_a_step_without_length_gives_no_nan():
-    assert np.isfinite(_trail(0.2, 0.2).at(0.2, 0)).all()
+    assert np.isfinite(_history(0.2, 0.2).at(0.2, 0)).all()
