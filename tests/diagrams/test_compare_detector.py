@@ -39,6 +39,7 @@ def test_a_folder_that_is_missing_or_without_traces_is_said(tmp_path, capsys):
     assert f"There is no trace in {tmp_path}" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_command_puts_the_real_and_the_simulated_side_by_side(
     tmp_path, capsys
 ):

@@ -69,6 +69,7 @@ def reproduced(tmp_path_factory):
     return folder, stored, _run(folder)
 
 
+@pytest.mark.slow
 def test_what_was_stored_when_it_was_killed_is_not_computed_again(reproduced):
     folder, stored, _ = reproduced
     assert 5 <= len(stored) < COUNT
@@ -77,6 +78,7 @@ def test_what_was_stored_when_it_was_killed_is_not_computed_again(reproduced):
     assert {name: after[name] for name in stored} == stored
 
 
+@pytest.mark.slow
 def test_started_again_it_computes_nothing_and_says_the_same(
     reproduced, monkeypatch
 ):
@@ -88,6 +90,7 @@ def test_started_again_it_computes_nothing_and_says_the_same(
     assert _results(folder) == before
 
 
+@pytest.mark.slow
 def test_the_tables_are_of_the_stored_results(reproduced):
     folder, _, printed = reproduced
     text = (folder / "paper_tables.csv").read_text()
@@ -110,6 +113,7 @@ def test_the_tables_are_of_the_stored_results(reproduced):
     assert "Not the paper's protocol: logs of 0.7 s, 3 particles." in printed
 
 
+@pytest.mark.slow
 def test_all_files_are_written(reproduced):
     folder, _, _ = reproduced
     names = {path.name for path in folder.iterdir()}
@@ -121,6 +125,7 @@ def test_all_files_are_written(reproduced):
     assert len(list((folder / "logs").glob("*.mcap"))) == 4
 
 
+@pytest.mark.slow
 def test_a_damaged_result_is_computed_again_and_that_is_said(
     reproduced, capsys
 ):
@@ -133,6 +138,7 @@ def test_a_damaged_result_is_computed_again_and_that_is_said(
     assert f"{path} is damaged; it is made again" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_cluster_finds_the_same_to_the_bit(reproduced, tmp_path):
     distributed = pytest.importorskip(
         "distributed", reason="the extra 'cluster' is not installed"
@@ -154,6 +160,7 @@ def test_a_cluster_finds_the_same_to_the_bit(reproduced, tmp_path):
         assert path.read_bytes() == same.read_bytes()
 
 
+@pytest.mark.slow
 def test_what_fails_is_named_at_the_end_and_the_others_are_done(
     reproduced, capsys, tmp_path
 ):
@@ -173,6 +180,7 @@ def test_what_fails_is_named_at_the_end_and_the_others_are_done(
         assert "without what failed (bad-run_0)" in tables
 
 
+@pytest.mark.slow
 def test_an_interruption_ends_all_of_it_in_a_line(tmp_path):
     """From the keyboard, which interrupts its processes as well."""
     command = [sys.executable, "-m", "pbpf_drake.diagrams.reproduce_tables"]

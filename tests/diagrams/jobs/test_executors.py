@@ -94,6 +94,7 @@ def _cluster(num_workers: int):
             yield cluster.scheduler_address
 
 
+@pytest.mark.slow
 def test_a_cluster_loses_nothing_when_a_worker_is_killed(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(FIXTURES), prepend=os.pathsep)
     marks = tmp_path / "marks"
