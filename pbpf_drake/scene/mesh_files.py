@@ -37,14 +37,16 @@ def ReadableMesh(path: Path, *, hull: bool) -> Path:
     A COLLADA file's unit is applied, and its up axis is not, as in ROS.
 
     Args:
-        path: the mesh file, which exists.
+        path: the mesh file.
         hull: whether the OBJ file has the mesh's convex hull, to collide with,
             and not the mesh, to look at.
 
     Raises:
-        ValueError: its format is unknown, it is damaged or has no triangles,
-            or it is flat and so has no hull.
+        ValueError: it is no file, its format is unknown, it is damaged or has
+            no triangles, or it is flat and so has no hull.
     """
+    if not path.is_file():
+        raise ValueError(f"{path} is no file; expected a mesh")
     ending = path.suffix.lower()
     if ending in DRAKE_ENDINGS:
         return path
@@ -104,7 +106,8 @@ def _load(path: Path, data: bytes, ending: str) -> trimesh.Trimesh:
     # A damaged file makes these readers raise nearly anything.
     except Exception as error:
         raise ValueError(
-            f"{path} can't be read as {ending[1:].upper()}: {error}"
+            f"{path} can't be read as {ending[1:].upper()}: is it whole? "
+            f"({error})"
         ) from error
     if not len(mesh.faces):
         raise ValueError(f"{path} has no triangles; expected a surface")

@@ -48,9 +48,14 @@ class ReadableModels:
             inside: the files that include it.
 
         Raises:
-            ValueError: a mesh that collides is missing or can't be read, or a
-                file includes itself.
+            ValueError: a mesh that collides is missing or can't be read, a
+                file includes itself, or it is a xacro file.
         """
+        if path.suffix == ".xacro":
+            raise ValueError(
+                f"{path} is a xacro file; expected the URDF that it makes: "
+                f"'xacro {path.name} > whole.urdf'"
+            )
         document = _parse(path)
         if document is None:
             return path
@@ -78,25 +83,22 @@ class ReadableModels:
 
     def _ChangeMeshes(self, path: Path, document: Document) -> bool:
         """Converts all meshes; tells whether any differs from the file's."""
-        changed, left_out = False, []
+        changed = False
+        left_out: dict[str, list[str]] = {}  # The links, by what is wrong.
         for role, link, element in _geometry_elements(document):
             try:
                 for mesh in element.getElementsByTagName("mesh"):
                     changed |= self._Change(path, mesh, role)
             except ValueError as error:
-                name = f"{link.tagName} {link.getAttribute('name')!r}"
+                name = link.getAttribute("name")
                 if role == "collision":
                     raise ValueError(
-                        f"{path}: collision of {name}: {error}"
+                        f"{path}: collision of link {name!r}: {error}"
                     ) from error
-                left_out.append(f"{name}: {error}")
+                left_out.setdefault(str(error), []).append(name)
                 link.removeChild(element)
         if left_out:
-            self.warnings.append(
-                f"{path}: {len(left_out)} of its visuals are left out of "
-                f"pictures: {'; '.join(left_out[:_MOST_NAMED])}"
-                + ("; ..." if len(left_out) > _MOST_NAMED else "")
-            )
+            self.warnings.append(_left_out_sentence(path, left_out))
         return changed or bool(left_out)
 
     def _Change(self, path: Path, mesh: Element, role: str) -> bool:
@@ -161,6 +163,20 @@ def _geometry_elements(
             link = element.parentNode
             if isinstance(link, Element):
                 yield role, link, element
+
+
+def _left_out_sentence(path: Path, left_out: dict[str, list[str]]) -> str:
+    """Says which visuals are left out: the links, by what is wrong."""
+    named = [
+        f"{error} (link {', '.join(links)})"
+        for error, links in left_out.items()
+    ]
+    if len(named) > _MOST_NAMED:
+        named = [*named[:_MOST_NAMED], "and so on"]
+    return (
+        f"{path}: {sum(map(len, left_out.values()))} visuals are left out of "
+        f"pictures: {'; '.join(named)}"
+    )
 
 
 def _drake_finds(url: str, packages: PackageMap) -> bool:

@@ -47,6 +47,8 @@ def MakeReadable(scene: Scene, packages: PackageMap) -> ReadableDirectives:
             model = directive.add_model
             try:
                 path = ResolveModelUrl(model.file, folder, packages)
+                if not path.is_file():
+                    raise ValueError(f"{path} is no file; expected a model")
                 readable = models.Make(path.absolute())
             except ValueError as error:
                 message = f"add_model {model.name!r}: {error}"

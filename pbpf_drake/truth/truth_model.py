@@ -32,6 +32,7 @@ from pbpf_drake.scene.scene_models import AddSceneModels, SceneModels
 from pbpf_drake.truth.path_collision import CheckPath
 from pbpf_drake.truth.push_path import (
     ActuatedJoints,
+    AddMissingActuators,
     MakeJointTrajectory,
     MakeTranslation,
 )
@@ -97,6 +98,7 @@ def AddTruthModels(
         config=scene.recording,
         parameters=parameters,
     )
+    AddMissingActuators(plant, models.robot)
     _set_controller(plant, models.robot, scene.recording)
     AddLabelRenderer(scene_graph)
     plant.Finalize()
