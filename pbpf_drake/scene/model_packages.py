@@ -55,8 +55,9 @@ def SceneFolder(scene: Scene) -> Path:
 def ResolveModelUrl(url: str, folder: Path, packages: PackageMap) -> Path:
     """Returns the file or folder that a URL or a path leads to; it exists.
 
-    A package that is not in the map is looked for where the naming file is: in
-    the folders above it, and beside these.
+    A package that is not in the map is looked for where the naming file is (in
+    the folders above it, and beside these), and, without a package.xml, in
+    ROS_PACKAGE_PATH.
 
     Args:
         url: package://, model:// or file://, or a path.
@@ -94,7 +95,8 @@ def _in_package(url: str, folder: Path, packages: PackageMap) -> Path:
     name, _, inside = url.partition("://")[2].partition("/")
     if packages.Contains(name):
         return Path(packages.GetPath(name)) / inside
-    for above in (folder, *folder.parents):
+    listed = os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)
+    for above in (folder, *folder.parents, *map(Path, filter(None, listed))):
         for root in (above, above / name):
             if _is_package(root, name) and (root / inside).exists():
                 return root / inside
