@@ -105,7 +105,9 @@ def _temporary_folder() -> Path:
 def _load(path: Path, data: bytes, ending: str) -> trimesh.Trimesh:
     """Returns all triangles of a mesh file, in one mesh in meters."""
     try:
-        loaded = trimesh.load_scene(io.BytesIO(data), file_type=ending[1:])
+        loaded = trimesh.load_scene(
+            io.BytesIO(data), file_type=ending[1:], process=False
+        )
         if ending == ".dae":
             loaded = loaded.convert_units("meters")
         mesh = loaded.to_mesh()
@@ -116,9 +118,9 @@ def _load(path: Path, data: bytes, ending: str) -> trimesh.Trimesh:
             f"({error})"
         ) from error
     if not len(mesh.faces):
-        raise ValueError(f"{path} has no triangles; expected a surface")
+        raise ValueError(f"{path} has no triangles: is it whole?")
     if not np.isfinite(mesh.vertices).all():
-        raise ValueError(f"{path} has corners that are no finite numbers")
+        raise ValueError(f"{path} has corners that are no numbers")
     if ending == ".glb":
         mesh.apply_transform(_Z_UP)
     return mesh
