@@ -57,7 +57,7 @@ def ReadSceneFiles(scene: str) -> SceneFiles:
     content = yaml_load(filename=str(path))
     try:
         models = _models_digest(loaded)
-    except RuntimeError as error:
+    except (ValueError, RuntimeError) as error:
         raise ValueError(f"Scene {path}: {error}") from error
     return SceneFiles(
         scene=loaded,

@@ -12,29 +12,17 @@ mesh is converted once, and a mesh that has changed is converted again.
 import atexit
 import functools
 import hashlib
-import io
 import os
 from pathlib import Path
 import shutil
 import tempfile
 
-import numpy as np
-from scipy.spatial import QhullError
-import trimesh
-
-from pbpf_drake.shapes.hull_corners import choose_hull_corners
-
 # How the names of mesh files end that Drake reads itself, and that are turned
 # into an OBJ file first.
 DRAKE_ENDINGS = (".obj", ".gltf", ".vtk")
 CONVERTED_ENDINGS = (".stl", ".dae", ".ply", ".off", ".glb")
-# How many corners a hull has at most. What is missing of an arm's link is less
-# than a millimetre thick, and a contact takes a quarter of the time.
-_MOST_CORNERS = 256
 # Part of the names in the cache: it changes with what is made of a mesh.
 _VERSION = "1"
-# The y axis of glTF points up; z does in a model, and Drake turns it the same.
-_Z_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1.0]])
 
 
 def ReadableMesh(path: Path, *, hull: bool) -> Path:
@@ -66,8 +54,10 @@ def ReadableMesh(path: Path, *, hull: bool) -> Path:
     key = hashlib.sha256(b"|".join(parts)).hexdigest()
     cached = CacheFolder() / f"{path.stem[:60]}-{key[:24]}.obj"
     if not cached.is_file():
-        mesh = _load(path, data, ending)
-        WriteWhole(cached, _hull_text(path, mesh) if hull else _text(mesh))
+        # What reads meshes takes half a second to import, and is seldom needed.
+        from pbpf_drake.scene.mesh_conversion import ConvertMesh
+
+        WriteWhole(cached, ConvertMesh(path, data, hull=hull))
     return cached
 
 
@@ -87,12 +77,15 @@ def CacheFolder() -> Path:
 
 
 def WriteWhole(path: Path, text: str) -> None:
-    """Writes a file so that nobody ever sees a part of it."""
-    with tempfile.NamedTemporaryFile(
-        "w", dir=path.parent, delete=False, encoding="utf-8"
-    ) as file:
-        file.write(text)
-    os.replace(file.name, path)
+    """Writes a file so that nobody ever sees a part of it.
+
+    Raises:
+        OSError: it can't be written.
+    """
+    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+        part = Path(folder) / path.name
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, path)
 
 
 @functools.cache
@@ -100,52 +93,3 @@ def _temporary_folder() -> Path:
     folder = Path(tempfile.mkdtemp(prefix="pbpf_drake_"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return folder
-
-
-def _load(path: Path, data: bytes, ending: str) -> trimesh.Trimesh:
-    """Returns all triangles of a mesh file, in one mesh in meters."""
-    try:
-        loaded = trimesh.load_scene(
-            io.BytesIO(data), file_type=ending[1:], process=False
-        )
-        if ending == ".dae":
-            loaded = loaded.convert_units("meters")
-        mesh = loaded.to_mesh()
-    # A damaged file makes these readers raise nearly anything.
-    except Exception as error:
-        raise ValueError(
-            f"{path} can't be read as {ending[1:].upper()}: is it whole? "
-            f"({error})"
-        ) from error
-    if not len(mesh.faces):
-        raise ValueError(f"{path} has no triangles: is it whole?")
-    if not np.isfinite(mesh.vertices).all():
-        raise ValueError(f"{path} has corners that are no numbers")
-    if ending == ".glb":
-        mesh.apply_transform(_Z_UP)
-    return mesh
-
-
-def _hull_text(path: Path, mesh: trimesh.Trimesh) -> str:
-    points = np.asarray(mesh.vertices)
-    try:
-        chosen = points[choose_hull_corners(points, _MOST_CORNERS)]
-        hull = trimesh.convex.convex_hull(chosen)
-    except QhullError as error:
-        raise ValueError(
-            f"{path} has no convex hull: is it flat? Expected a mesh with a "
-            "volume"
-        ) from error
-    return trimesh.exchange.obj.export_obj(hull, include_normals=False)
-
-
-def _text(mesh: trimesh.Trimesh) -> str:
-    """Returns the mesh as OBJ, with the normals that Drake's pictures need."""
-    mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    return trimesh.exchange.obj.export_obj(
-        mesh,
-        include_normals=True,
-        include_color=False,
-        include_texture=False,
-        digits=6,
-    )
