@@ -36,7 +36,7 @@ from pbpf_drake.truth.push_path import (
     MakeJointTrajectory,
     MakeTranslation,
 )
-from pbpf_drake.truth.truth_contact import SetTrueContact
+from pbpf_drake.truth.truth_contact import ExcludeSelfContact, SetTrueContact
 from pbpf_drake.truth.truth_parameters import TruthParameters
 from pbpf_drake.truth.visibility_camera import AddLabelRenderer
 
@@ -98,6 +98,7 @@ def AddTruthModels(
         config=scene.recording,
         parameters=parameters,
     )
+    ExcludeSelfContact(plant=plant, scene_graph=scene_graph, models=models)
     AddMissingActuators(plant, models.robot)
     _set_controller(plant, models.robot, scene.recording)
     AddLabelRenderer(scene_graph)
