@@ -131,7 +131,8 @@ def run(args: argparse.Namespace) -> None:
             be used; the message says why.
     """
     scene = LoadScene(args.scene)
-    joint_names = MakePredictionModel(scene).joint_names
+    model = MakePredictionModel(scene)
+    joint_names = model.joint_names
     if args.inspect:
         text = InspectLog(
             filename=args.inspect, scene=scene, joint_names=joint_names
@@ -151,7 +152,8 @@ def run(args: argparse.Namespace) -> None:
     records = [_track(scene, log, args.method, config, meshcat=meshcat)]
     if args.method != "dope":
         records.append(_track(scene, log, "dope", config))
-    warnings = log.warnings + _write_track(args, scene, log, records[0])
+    warnings = model.warnings + log.warnings
+    warnings += _write_track(args, scene, log, records[0])
     report = MakeReport(records, log.ground_truth, warnings)
     WriteReport(report, args.out / "report.json")
     WriteErrors(records, log.ground_truth, args.out / "errors.csv")

@@ -16,6 +16,7 @@ from pydrake.multibody.parsing import (
 
 from pbpf_drake.config.scene_config import LoadScene, Scene
 from pbpf_drake.diagrams.jobs.scene_run import scene_path
+from pbpf_drake.scene.model_packages import ResolveModelUrl, SceneFolder
 from pbpf_drake.scene.scene_models import MakePackageMap
 
 # The endings of files that may refer to others, and how they do.
@@ -56,7 +57,7 @@ def ReadSceneFiles(scene: str) -> SceneFiles:
     content = yaml_load(filename=str(path))
     try:
         models = _models_digest(loaded)
-    except RuntimeError as error:
+    except (ValueError, RuntimeError) as error:
         raise ValueError(f"Scene {path}: {error}") from error
     return SceneFiles(
         scene=loaded,
@@ -79,14 +80,14 @@ def _models_digest(scene: Scene) -> str:
     These are the files of the models, the files that these refer to, and all
     files in the same folders, except for scenes.
     """
-    packages = MakePackageMap(scene)
+    packages, home = MakePackageMap(scene), SceneFolder(scene)
     flat = FlattenModelDirectives(
         ModelDirectives(directives=scene.directives), packages
     )
     # The flat directives include those of files that the scene's refer to.
     digest = hashlib.sha256(str(flat.directives).encode())
     waiting = [
-        Path(packages.ResolveUrl(directive.add_model.file)).parent
+        ResolveModelUrl(directive.add_model.file, home, packages).parent
         for directive in flat.directives
         if directive.add_model is not None
     ]
@@ -118,9 +119,7 @@ def _references(file: Path, packages: PackageMap) -> Iterator[Path]:
     for groups in _REFERENCE.findall(file.read_text(errors="replace")):
         name = "".join(groups)
         try:
-            path = Path(packages.ResolveUrl(name))
-        except RuntimeError:
-            # If it is really missing, Drake says so when it loads the model.
-            path = file.parent / name
-        if path.exists():
-            yield path if path.is_dir() else path.parent
+            path = ResolveModelUrl(name, file.parent, packages)
+        except ValueError:  # It is said when the model is loaded.
+            continue
+        yield path if path.is_dir() else path.parent

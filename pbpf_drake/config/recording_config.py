@@ -57,7 +57,8 @@ class RecordingConfig:
     dissipation: float = 10.0
     # The joint controller's gains, in the order of the robot's actuators:
     # torque per position error and per velocity error (in N⋅m/rad and
-    # N⋅m⋅s/rad), or force (in N/m and N⋅s/m). Gravity is compensated.
+    # N⋅m⋅s/rad), or force (in N/m and N⋅s/m). Gravity is compensated. Joints
+    # without an actuator in the robot's file get one after the others.
     stiffness: list[float] = field(default_factory=list)
     damping: list[float] = field(default_factory=list)
     path: PathConfig = field(default_factory=PathConfig)

@@ -43,8 +43,11 @@ class Scene:
 
     # What there is, as Drake's model directives. Files are found through
     # package://pbpf_drake (this project's models), package://scene (the folder
-    # of the scene file), and the packages in ROS_PACKAGE_PATH.
+    # of the scene file), and the packages below, in ROS_PACKAGE_PATH and in
+    # AMENT_PREFIX_PATH. Paths are relative to the folder of the scene file.
     directives: list[ModelDirective] = field(default_factory=list)
+    # Folders of packages by their names, relative to that of the scene file.
+    packages: dict[str, str] = field(default_factory=dict)
     # The model instance that is the robot.
     robot: str = ""
     # The model instances to track, each one free body. Every other model is

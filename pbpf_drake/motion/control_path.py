@@ -60,7 +60,8 @@ def simplify_path(path: ControlPath, tolerance: float) -> ControlPath:
         segment = np.searchsorted(t[keep[1:-1]], t, side="right")
         a, b = np.array(keep)[segment], np.array(keep)[segment + 1]
         u = (t - t[a]) / (t[b] - t[a])
-        error = np.abs(q[a] + u[:, None] * (q[b] - q[a]) - q).max(axis=1)
+        error = np.abs(q[a] + u[:, None] * (q[b] - q[a]) - q)
+        error = error.max(axis=1, initial=0.0)  # Of no joints, too.
         worst = int(np.argmax(error))
         if error[worst] <= tolerance or worst in keep:
             return ControlPath(t[keep], q[keep])

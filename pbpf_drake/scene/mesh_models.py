@@ -6,6 +6,8 @@ everywhere in this package, and also where its mass and inertia are computed. So
 an open scan will do as well.
 """
 
+from pathlib import Path
+
 from pydrake.geometry import (
     Convex,
     GeometryInstance,
@@ -20,8 +22,10 @@ from pydrake.multibody.parsing import ModelDirective, PackageMap
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import CalcSpatialInertia, RigidBody
 
+from pbpf_drake.scene.mesh_files import CONVERTED_ENDINGS, ReadableMesh
+
 # How the names of mesh files end that can be models.
-MESH_ENDINGS = (".obj", ".gltf", ".glb")
+MESH_ENDINGS = (".obj", ".gltf", *CONVERTED_ENDINGS)
 # The hull's density (in kg/m³): that of a carton with something in it. The
 # filter doesn't use it, as it draws masses of its own.
 _DENSITY = 500.0
@@ -50,17 +54,19 @@ def AddMeshModel(
         RuntimeError: there is no such package, or no such file in it.
     """
     model = directive.add_model
-    path = packages.ResolveUrl(model.file)
+    url = packages.ResolveUrl(model.file)
     try:
+        path = str(ReadableMesh(Path(url), hull=True))
         inertia = CalcSpatialInertia(shape=Convex(path), density=_DENSITY)
     except (RuntimeError, ValueError) as error:
         raise ValueError(
-            f"add_model {model.name!r}: {path} has no convex hull: {error}"
+            f"add_model {model.name!r}: {url} has no convex hull: {error}"
         ) from error
     instance = plant.AddModelInstance(model.name)
     body = plant.AddRigidBody(model.name, instance, inertia)
     if plant.geometry_source_is_registered():
-        _add_geometry(plant, body, path)
+        seen = str(ReadableMesh(Path(url), hull=False))
+        _add_geometry(plant, body, path, seen)
     for name, pose in model.default_free_body_pose.items():
         frame = pose.base_frame or "world"
         if name != model.name or frame != "world":
@@ -72,7 +78,9 @@ def AddMeshModel(
         plant.SetDefaultFloatingBaseBodyPose(body, pose.GetDeterministicValue())
 
 
-def _add_geometry(plant: MultibodyPlant, body: RigidBody, path: str) -> None:
+def _add_geometry(
+    plant: MultibodyPlant, body: RigidBody, path: str, visual: str
+) -> None:
     """Adds the mesh to look at, and its hull to collide with and to render.
 
     An OBJ file may lack normals, and then Drake doesn't render it. The hull
@@ -82,7 +90,7 @@ def _add_geometry(plant: MultibodyPlant, body: RigidBody, path: str) -> None:
     plant.RegisterCollisionGeometry(
         body, at, Mesh(path), f"{body.name()}_collision", ProximityProperties()
     )
-    seen = GeometryInstance(at, Mesh(path), f"{body.name()}_mesh")
+    seen = GeometryInstance(at, Mesh(visual), f"{body.name()}_mesh")
     seen.set_illustration_properties(IllustrationProperties())
     seen.mutable_illustration_properties().AddProperty(
         "phong", "diffuse", _GREY

@@ -5,7 +5,7 @@ how the robot, the fixed models and the tracked objects are named and shaped,
 and how the robot's links move. The plants that are simulated are made from it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.geometry import GeometryId, Role
@@ -17,6 +17,11 @@ from pbpf_drake.poses.pose_conversion import pose_array
 from pbpf_drake.scene.object_size import CheckObjectSizes
 from pbpf_drake.scene.robot_joints import RobotJointNames
 from pbpf_drake.scene.scene_models import AddSceneModels, SceneModels
+from pbpf_drake.scene.scene_warnings import (
+    CarrierWarnings,
+    WarnOnce,
+    robot_warnings,
+)
 
 
 @dataclass(frozen=True)
@@ -30,6 +35,7 @@ class PredictionModel:
         robot_q: (n,) where the robot's joints are among the plant's positions.
         links: the robot's L bodies that have collision geometry.
         nominal_poses: (K, 7) the poses that the scene gives the objects.
+        warnings: sentences on what probably isn't as it was meant.
     """
 
     diagram: RobotDiagram
@@ -38,6 +44,7 @@ class PredictionModel:
     robot_q: np.ndarray
     links: tuple[BodyIndex, ...]
     nominal_poses: np.ndarray
+    warnings: tuple[str, ...] = ()
 
     def geometries(self, body: BodyIndex) -> list[GeometryId]:
         """Returns the collision geometries of a body."""
@@ -56,6 +63,8 @@ class PredictionModel:
 
 def MakePredictionModel(scene: Scene) -> PredictionModel:
     """Builds the prediction model of a scene.
+
+    Its warnings are also said in Python's log, once.
 
     Raises:
         ValueError: the scene's models don't fit their roles, or a tracked
@@ -81,7 +90,7 @@ def MakePredictionModel(scene: Scene) -> PredictionModel:
     starts = [
         plant.get_body(b).floating_positions_start() for b in models.objects
     ]
-    return PredictionModel(
+    model = PredictionModel(
         diagram=diagram,
         models=models,
         joint_names=joint_names,
@@ -93,6 +102,26 @@ def MakePredictionModel(scene: Scene) -> PredictionModel:
         ),
         nominal_poses=np.array([positions[s : s + 7] for s in starts]),
     )
+    warnings = _warnings(scene, model)
+    WarnOnce(warnings)
+    return replace(model, warnings=(*models.warnings, *warnings))
+
+
+def _warnings(scene: Scene, model: PredictionModel) -> list[str]:
+    plant, robot = model.diagram.plant(), model.models.robot
+    links = [plant.get_body(b).name() for b in plant.GetBodyIndices(robot)]
+    return [
+        f"Scene {scene.path or '(without a file)'}: {warning}"
+        for warning in robot_warnings(scene.robot, links, len(model.links))
+        + CarrierWarnings(
+            inspector=model.diagram.scene_graph().model_inspector(),
+            names=scene.object_names(),
+            objects=[model.geometries(b) for b in model.models.objects],
+            poses=model.nominal_poses,
+            fixed=[model.geometries(b) for b in model.models.fixed],
+            fixed_poses=model.fixed_poses(),
+        )
+    ]
 
 
 def _geometries(diagram: RobotDiagram, body: BodyIndex) -> list[GeometryId]:

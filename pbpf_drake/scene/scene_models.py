@@ -1,6 +1,6 @@
 """Parses the models of a scene into a MultibodyPlant and finds their roles."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pydrake.multibody.parsing import (
@@ -19,6 +19,9 @@ from pydrake.multibody.tree import (
 
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.scene.mesh_models import AddMeshModel, IsMeshModel
+from pbpf_drake.scene.model_packages import AddAmentPackages, AddScenePackages
+from pbpf_drake.scene.scene_directives import MakeReadable
+from pbpf_drake.scene.scene_warnings import WarnOnce
 
 
 @dataclass(frozen=True)
@@ -29,11 +32,14 @@ class SceneModels:
         robot: the robot's model instance.
         objects: the body of each tracked object, in the scene's order.
         fixed: the bodies of all other models, and the world body.
+        warnings: one sentence for everything of the model files that is left
+            out.
     """
 
     robot: ModelInstanceIndex
     objects: tuple[BodyIndex, ...]
     fixed: tuple[BodyIndex, ...]
+    warnings: tuple[str, ...] = ()
 
 
 def data_folder(name: str) -> Path:
@@ -55,18 +61,25 @@ def MakePackageMap(scene: Scene) -> PackageMap:
     """Returns where the scene's directives find packages.
 
     package://pbpf_drake leads to this project's models, package://scene to the
-    folder of the scene file; ROS_PACKAGE_PATH adds a user's own packages.
+    folder of the scene file. The scene's ``packages`` come next, then those in
+    ROS_PACKAGE_PATH, then the folders in share of AMENT_PREFIX_PATH. Where two
+    are called the same, the first counts.
+
+    Raises:
+        ValueError: the scene's ``packages`` don't fit, see AddScenePackages.
     """
     packages = PackageMap()
     packages.Add("pbpf_drake", str(data_folder("models")))
-    if scene.path:
-        packages.Add("scene", str(Path(scene.path).parent))
+    AddScenePackages(packages, scene)
     packages.PopulateFromRosPackagePath()
+    AddAmentPackages(packages)
     return packages
 
 
 def AddSceneModels(plant: MultibodyPlant, scene: Scene) -> SceneModels:
     """Adds the scene's models to a plant that is not finalized yet.
+
+    What is left out is said in Python's log, once.
 
     Raises:
         ValueError: a model can't be parsed (a file is missing, say), the
@@ -74,21 +87,31 @@ def AddSceneModels(plant: MultibodyPlant, scene: Scene) -> SceneModels:
             another model isn't welded to the world.
     """
     where = f"Scene {scene.path or '(without a file)'}"
-    parser = Parser(plant)
+    try:
+        warnings = _parse_models(plant, scene)
+        models = _find_roles(plant, scene)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from error
+    WarnOnce(warnings)
+    return replace(models, warnings=tuple(warnings))
+
+
+def _parse_models(plant: MultibodyPlant, scene: Scene) -> list[str]:
+    """Parses all models into a plant; returns what was left out."""
     packages = MakePackageMap(scene)
+    readable = MakeReadable(scene, packages)
+    parser = Parser(plant)
     parser.package_map().AddMap(packages)
-    meshes = [d for d in scene.directives if IsMeshModel(d)]
-    others = [d for d in scene.directives if not IsMeshModel(d)]
+    meshes = [d for d in readable.directives if IsMeshModel(d)]
+    others = [d for d in readable.directives if not IsMeshModel(d)]
     try:
         for directive in meshes:
             AddMeshModel(plant, directive, packages)
         ProcessModelDirectives(ModelDirectives(directives=others), parser)
     except Exception as error:
-        raise ValueError(f"{where}: {error}") from error
-    try:
-        return _find_roles(plant, scene)
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from error
+        message = readable.models.OriginalNames(str(error))
+        raise ValueError(message) from error
+    return readable.models.warnings
 
 
 def _find_roles(plant: MultibodyPlant, scene: Scene) -> SceneModels:

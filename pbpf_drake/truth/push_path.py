@@ -44,6 +44,28 @@ def ActuatedJoints(
     return actuated
 
 
+def AddMissingActuators(
+    plant: MultibodyPlant, robot: ModelInstanceIndex
+) -> None:
+    """Adds an actuator to every joint of the robot that can move but has none.
+
+    URDF files for ROS 2 often leave them out. Those that are added come after
+    the file's own, in the order of the joints.
+
+    Args:
+        plant: not finalized yet.
+        robot: the robot's model instance.
+    """
+    actuated = {
+        plant.get_joint_actuator(i).joint().index()
+        for i in plant.GetJointActuatorIndices()
+    }
+    for index in plant.GetJointIndices(robot):
+        joint = plant.get_joint(index)
+        if joint.num_velocities() == 1 and index not in actuated:
+            plant.AddJointActuator(f"{joint.name()}_added", joint)
+
+
 def draw_offsets(config: PathConfig, rng: np.random.Generator) -> np.ndarray:
     """Draws how far a run's waypoints are off the configured ones.
 

@@ -5,8 +5,10 @@ from pydrake.geometry import (
     AddContactMaterial,
     AddRigidHydroelasticProperties,
     Capsule,
+    CollisionFilterDeclaration,
     Cylinder,
     Ellipsoid,
+    GeometrySet,
     ProximityProperties,
     RoleAssign,
     SceneGraph,
@@ -63,6 +65,28 @@ def SetTrueContact(
             scene_graph.AssignRole(
                 plant.get_source_id(), geometry, properties, RoleAssign.kReplace
             )
+
+
+def ExcludeSelfContact(
+    *, plant: MultibodyPlant, scene_graph: SceneGraph, models: SceneModels
+) -> None:
+    """Keeps the robot's links from touching each other.
+
+    The hulls of a real robot's links overlap: they would push it apart.
+
+    Args:
+        plant: not finalized yet, with the models.
+        scene_graph: the plant's.
+        models: the roles of the models.
+    """
+    links = GeometrySet(
+        [
+            plant.GetBodyFrameIdOrThrow(index)
+            for index in plant.GetBodyIndices(models.robot)
+        ]
+    )
+    filters = CollisionFilterDeclaration().ExcludeWithin(links)
+    scene_graph.collision_filter_manager().Apply(filters)
 
 
 def _radius(shape: Shape) -> float:

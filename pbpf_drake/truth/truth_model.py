@@ -32,11 +32,12 @@ from pbpf_drake.scene.scene_models import AddSceneModels, SceneModels
 from pbpf_drake.truth.path_collision import CheckPath
 from pbpf_drake.truth.push_path import (
     ActuatedJoints,
+    AddMissingActuators,
     MakeJointTrajectory,
     MakeTranslation,
 )
 from pbpf_drake.truth.true_visibility import AddLabelRenderer
-from pbpf_drake.truth.truth_contact import SetTrueContact
+from pbpf_drake.truth.truth_contact import ExcludeSelfContact, SetTrueContact
 from pbpf_drake.truth.truth_parameters import TruthParameters
 
 
@@ -97,6 +98,8 @@ def AddTruthModels(
         config=scene.recording,
         parameters=parameters,
     )
+    ExcludeSelfContact(plant=plant, scene_graph=scene_graph, models=models)
+    AddMissingActuators(plant, models.robot)
     _set_controller(plant, models.robot, scene.recording)
     AddLabelRenderer(scene_graph)
     plant.Finalize()

@@ -192,7 +192,8 @@ class RayWorld:
         if not geometries:
             raise ValueError(
                 f"Scene {scene.path}: tracked model {name!r} has no collision "
-                "geometry, so no visibility; expected at least one"
+                "geometry, so it can't be pushed or seen; expected at least "
+                "one <collision> in its file: a box, a cylinder or a mesh"
             )
         shapes = [self._inspector.GetShape(g) for g in geometries]
         X_BG = [self._inspector.GetPoseInFrame(g) for g in geometries]

@@ -87,3 +87,8 @@ def test_two_points_are_a_path():
     path = ControlPath(np.array([0.0, 0.16]), np.zeros((2, 3)))
     simple = simplify_path(path, 5e-4)
     np.testing.assert_array_equal(simple.times, path.times)
+
+
+def test_a_path_of_no_joints_is_simple():
+    path = ControlPath(np.linspace(0.0, 1.0, 5), np.zeros((5, 0)))
+    np.testing.assert_array_equal(simplify_path(path, 1e-3).times, [0.0, 1.0])

@@ -11,9 +11,11 @@ from filter_fixtures import (
     probe_at,
     small_config,
 )
+from mesh_fixtures import write_dae
 import numpy as np
 from pydrake.geometry import Mesh
 import pytest
+import trimesh
 
 from pbpf_drake.config.scene_config import LoadScene, Scene
 from pbpf_drake.motion.particle_plant import MakeParticlePlant
@@ -89,7 +91,21 @@ def _write_gltf(path, corners, faces) -> None:
     path.write_text(json.dumps(gltf))
 
 
-WRITERS = {"obj": _write_obj, "gltf": _write_gltf}
+def _write_others(path, corners, faces) -> None:
+    if path.suffix == ".dae":
+        write_dae(path)
+        return
+    data = trimesh.Trimesh(corners, faces).export(file_type=path.suffix[1:])
+    path.write_bytes(data)
+
+
+WRITERS = {
+    "obj": _write_obj,
+    "gltf": _write_gltf,
+    "stl": _write_others,
+    "ply": _write_others,
+    "dae": _write_others,
+}
 MODEL = """
 - add_model:
     name: wedge

@@ -9,6 +9,7 @@ from pbpf_drake.config.scene_config import LoadScene, Scene
 from pbpf_drake.scene.scene_models import AddSceneModels
 from pbpf_drake.truth.push_path import (
     ActuatedJoints,
+    AddMissingActuators,
     MakeJointTrajectory,
     MakeTranslation,
     draw_offsets,
@@ -122,6 +123,26 @@ def test_a_joint_without_actuator_is_named():
     )
     with pytest.raises(ValueError, match="'free_wheel' .* no actuator"):
         ActuatedJoints(plant, robot)
+
+
+def test_joints_without_actuators_get_them_after_the_others():
+    link = "<link name='{}'/>"
+    joint = (
+        "<joint name='{1}' type='continuous'><parent link='{0}'/>"
+        "<child link='{1}'/><axis xyz='0 0 1'/></joint>"
+    )
+    plant = MultibodyPlant(time_step=1e-3)
+    (robot,) = Parser(plant).AddModelsFromString(
+        "<robot name='r'>"
+        + "".join(link.format(name) for name in "abcd")
+        + "".join(joint.format(*pair) for pair in ("ab", "bc", "cd"))
+        + "<transmission name='t'><type>SimpleTransmission</type>"
+        "<joint name='c'/><actuator name='own'/></transmission></robot>",
+        "urdf",
+    )
+    AddMissingActuators(plant, robot)
+    joints = [plant.get_joint(j).name() for j in ActuatedJoints(plant, robot)]
+    assert joints == ["c", "b", "d"]
 
 
 def test_path_does_not_overshoot():

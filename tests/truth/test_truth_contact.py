@@ -1,9 +1,11 @@
 from dataclasses import replace
+from itertools import combinations
 
 from pydrake.systems.analysis import Simulator
 import pytest
-from recording_fixtures import make_parameters, make_planar_scene
+from recording_fixtures import SCENES, make_parameters, make_planar_scene
 
+from pbpf_drake.config.scene_config import LoadScene
 from pbpf_drake.truth.truth_model import MakeTruth, MakeTruthContext
 
 FRICTION, ROBOT_FRICTION = 0.3, 0.25
@@ -71,3 +73,27 @@ def test_friction_and_dissipation_are_the_truths(
         "material", "hunt_crossley_dissipation"
     )
     assert dissipation == 7.0
+
+
+def test_links_of_the_robot_dont_touch_each_other():
+    scene = LoadScene(SCENES / "cheezit_1.yaml")
+    truth = MakeTruth(scene=scene, parameters=make_parameters(scene))
+    plant = truth.diagram.plant()
+    inspector = truth.diagram.scene_graph().model_inspector()
+    links, block = (
+        [
+            geometry
+            for body in bodies
+            for geometry in plant.GetCollisionGeometriesForBody(
+                plant.get_body(body)
+            )
+        ]
+        for bodies in (
+            plant.GetBodyIndices(truth.models.robot),
+            truth.models.objects,
+        )
+    )
+    for a, b in combinations(links, 2):
+        assert inspector.CollisionFiltered(a, b)
+    for link in links:
+        assert not inspector.CollisionFiltered(link, block[0])
