@@ -59,6 +59,8 @@ def OpenLogStream(
         if start.startswith(magic):
             return stream(filename=filename, topics=topics, limits=limits)
     if start.startswith(ZSTD_MAGIC):
+        # What comes out is no reason for it to hold more.
+        limits = limits.of_file(filename.stat().st_size)
         return ZstdStream(filename=filename, limits=limits, open_file=open_file)
     raise LogError(f"{_EXPECTED}, but {_describe(start)}")
 

@@ -86,6 +86,8 @@ class LogStream(ABC):
         # How many things of each kind are left out, by the noun for them, and
         # why.
         self._left_out: Counter[tuple[str, str]] = Counter()
+        # Whether a chunk that is cut off is all that has no checksum.
+        self._is_only_cut = False
 
     @abstractmethod
     def Messages(self) -> Iterator[RawMessage]:
@@ -139,12 +141,23 @@ class LogStream(ABC):
             f"{length}, and was used"
         )
 
-    def _SayThatNumbersMayBeWrong(self) -> None:
+    def _SayWhatIsLeftOfAChunk(self, count: int) -> None:
+        """Says how many messages of a chunk were whole before it ended."""
+        if count:
+            self._is_only_cut = self.checksums
+            self.checksums = False
+            self.damage.append(
+                f"{plural(count, 'message')} of the chunk that is cut off "
+                "came before and could be used, without its checksum"
+            )
+
+    def _SayIfNumbersMayBeWrong(self) -> None:
         """Says what follows from damage in a file without checksums."""
-        self.damage.append(
-            "the file has no checksums: numbers that are damaged can't be "
-            "told from good ones"
-        )
+        if self.damage and not self.checksums and not self._is_only_cut:
+            self.damage.append(
+                "the file has no checksums: numbers that are damaged can't be "
+                "told from good ones"
+            )
 
     def _CompareCount(
         self, source: str, topic: str, promised: int, found: int

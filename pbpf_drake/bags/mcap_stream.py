@@ -94,8 +94,7 @@ class McapStream(LogStream):
             self._SayThatItEndsHere(error)
         self._SayWhatWasLeftOut()
         self._CompareCounts()
-        if self.damage and not self.checksums:
-            self._SayThatNumbersMayBeWrong()
+        self._SayIfNumbersMayBeWrong()
         for topic, guess in self._guesses.items():
             if guess.type:
                 self.types[topic] = guess.type
@@ -179,14 +178,9 @@ class McapStream(LogStream):
             records = self._budget.Unpack(chunk.compression, chunk.packed)
         except Exception:  # That it is cut off is said already.
             return
-        self._protected = False
+        self._protected = True
         yield from self._ReadRecords(memoryview(records.content), cut=True)
-        count = self._found.total() - before
-        if count:
-            self.damage.append(
-                f"{plural(count, 'message')} of the chunk that is cut off are "
-                "whole and were used, without its checksum"
-            )
+        self._SayWhatIsLeftOfAChunk(self._found.total() - before)
 
     def _ReadRecords(
         self, records: memoryview, *, cut: bool = False

@@ -22,9 +22,6 @@ from pbpf_drake.bags.ros2_messages import (
 from pbpf_drake.bags.unpacking import unpack
 from pbpf_drake.bags.zstd_stream import ZSTD_MAGIC
 
-# How many definitions the messages of one log may have.
-_MAX_DEFINITIONS = 100
-
 
 class MessageDecoder:
     """Decodes messages, whose types may differ."""
@@ -40,6 +37,7 @@ class MessageDecoder:
         # How much may still be decoded, and unpacked for it.
         self._left = limits.max_decoded(size)
         self._left_packed = limits.max_unpacked(size)
+        self._left_definitions = limits.definitions
         self._decoders: dict[tuple[str, str, str], Decoder | None] = {}
         self._layouts: DetectionLayouts | None = None
 
@@ -53,9 +51,11 @@ class MessageDecoder:
         """
         key = message.encoding, message.type, message.definition
         if key not in self._decoders:
-            if len(self._decoders) >= _MAX_DEFINITIONS:
+            self._left_definitions -= len(message.definition)
+            if self._left_definitions < 0:
                 raise LimitError(
-                    f"with more than {_MAX_DEFINITIONS} definitions of types"
+                    "whose types have too long definitions; see "
+                    "ReadLimits.definitions"
                 )
             # A definition that can't be used is tried only once.
             self._decoders[key] = None
@@ -100,7 +100,15 @@ class MessageDecoder:
             return data
         limit = min(self._limits.message, self._left_packed)
         self._left_packed -= limit
-        found = unpack("zstd", data, limit).content
+        try:
+            found = unpack("zstd", data, limit).content
+        except LimitError:
+            if limit == self._limits.message:
+                raise
+            raise LimitError(
+                "beyond what a log of this size may unpack to; see "
+                "ReadLimits.unpacked"
+            ) from None
         self._left_packed += limit - len(found)
         return bytes(found)
 

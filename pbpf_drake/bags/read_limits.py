@@ -5,7 +5,7 @@ be true. So these limits are enforced on what comes out while it is unpacked.
 They are far above what cameras and robots record.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 _MIB = 2**20
 
@@ -32,18 +32,32 @@ class ReadLimits:
         records, bytes_per_record: a file has at most ``records`` messages and
             other records, or one for each ``bytes_per_record`` of its size if
             that is more.
-        definition: of the text that defines a type.
+        definition, definitions: of the text that defines a type, and of those
+            of all types that are decoded.
     """
 
     message: int = 128 * _MIB
     chunk: int = 256 * _MIB
-    unpacked: int = 1024 * _MIB
-    growth: int = 50
+    unpacked: int = 512 * _MIB
+    growth: int = 20
     decoded: int = 64 * _MIB
     decoded_growth: int = 5
     records: int = 1_000_000
     bytes_per_record: int = 8
-    definition: int = 2**17
+    definition: int = 2**16
+    definitions: int = 2**18
+
+    def of_file(self, size: int) -> "ReadLimits":
+        """Returns the limits for what a file of ``size`` bytes unpacks to."""
+        return replace(
+            self,
+            unpacked=self.max_unpacked(size),
+            decoded=self.max_decoded(size),
+            records=self.max_records(size),
+            growth=0,
+            decoded_growth=0,
+            bytes_per_record=2**63,
+        )
 
     def max_unpacked(self, size: int) -> int:
         """Returns what a file of ``size`` bytes may unpack to (in bytes)."""

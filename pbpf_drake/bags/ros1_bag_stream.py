@@ -37,10 +37,6 @@ from pbpf_drake.bags.ros1_records import (
     whole_records,
 )
 
-# How many descriptions of topics are looked at; a file repeats them in each
-# chunk until one is good.
-_MAX_DEFINITIONS = 1000
-
 
 class Ros1BagStream(LogStream):
     """The messages of one file; see LogStream."""
@@ -60,8 +56,9 @@ class Ros1BagStream(LogStream):
         self._connections: dict[int, tuple[str, str, str]] = {}
         # The connections whose definition has the right checksum.
         self._checked: set[int] = set()
-        # How many definitions had to be checked.
-        self._definitions = 0
+        # The definitions that were checked, and how much more is.
+        self._definitions: set[str] = set()
+        self._left_definitions = limits.definitions
         self._promised_chunks = 0
 
     def Messages(self) -> Iterator[RawMessage]:
@@ -85,8 +82,7 @@ class Ros1BagStream(LogStream):
                 "file's index says"
             )
         self._SayWhatWasLeftOut()
-        if self.damage and not self.checksums:
-            self._SayThatNumbersMayBeWrong()
+        self._SayIfNumbersMayBeWrong()
 
     def _ReadIndex(self, data: memoryview) -> set[int]:
         """Reads the index, and returns where chunks start."""
@@ -170,12 +166,7 @@ class Ros1BagStream(LogStream):
             self._budget.CountRecord()
             count += record.kind == MESSAGE
             yield from self._Select(record)
-        if count:
-            self.checksums = False
-            self.damage.append(
-                f"{plural(count, 'message')} of the chunk that is cut off are "
-                "whole and were used, without its checksum"
-            )
+        self._SayWhatIsLeftOfAChunk(count)
 
     def _ReadChunk(
         self, chunk: Record, data: memoryview
@@ -276,7 +267,9 @@ class Ros1BagStream(LogStream):
         self.types[topic] = kind
 
     def _Matches(self, kind: str, text: str, checksum: str) -> bool:
-        self._definitions += 1
-        return self._definitions <= _MAX_DEFINITIONS and definition_matches(
+        if text not in self._definitions:
+            self._definitions.add(text)
+            self._left_definitions -= len(text)
+        return self._left_definitions >= 0 and definition_matches(
             kind, text, checksum, self._limits
         )

@@ -72,8 +72,7 @@ class SqliteBagStream(LogStream):
                 except RowsEndError as error:
                     self._SayThatItEndsHere(error)
         self._SayWhatWasLeftOut()
-        if self.damage:
-            self._SayThatNumbersMayBeWrong()
+        self._SayIfNumbersMayBeWrong()
 
     def _ReadTopics(self, database: SqliteDatabase) -> None:
         try:
