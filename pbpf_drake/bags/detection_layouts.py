@@ -26,6 +26,9 @@ uint32 point_step
 uint32 row_step
 uint8[] data
 bool is_dense"""
+# Numbers of classes are small, and eight letters are not (for an integer of
+# eight bytes).
+_MAX_INTEGER = 2**40
 _HUMBLE = "that of ROS 2 Humble"
 
 
@@ -91,6 +94,9 @@ class DetectionLayouts:
                 found[name] = message
         if not found:
             raise ValueError("it fits no layout of detections")
+        # A number may look like an empty name, which no class has.
+        named = {n: m for n, m in found.items() if _has_names(m)}
+        found = named or found
         # An empty array fits them all, and tells nothing.
         if len(found) == 1:
             self._decoders = {name: self._decoders[name] for name in found}
@@ -105,6 +111,18 @@ class DetectionLayouts:
             "the log has no definition of vision_msgs/Detection3DArray: of "
             f"the layouts that are known, only {name} fits, and was used"
         )
+
+
+def _has_names(message: Any) -> bool:
+    """Tells if all results of an array say what they are of."""
+    results = [r for d in message.detections for r in d.results]
+    ids = [
+        result.hypothesis.class_id
+        if hasattr(result, "hypothesis")
+        else result.id
+        for result in results
+    ]
+    return "" not in ids
 
 
 def decode_plausible(decode: Decoder, data: bytes) -> Any:
@@ -122,9 +140,11 @@ def decode_plausible(decode: Decoder, data: bytes) -> Any:
 
 
 def _is_plausible(value: Any) -> bool:
-    """Tells if texts can be read and single numbers are finite."""
+    """Tells if texts can be read, and single numbers are no bits of texts."""
     if isinstance(value, str):
         return value.isprintable()
+    if isinstance(value, int):
+        return abs(value) <= _MAX_INTEGER
     if isinstance(value, float):
         return value == 0 or 1e-100 < abs(value) < 1e100 or math.isnan(value)
     if isinstance(value, np.ndarray):

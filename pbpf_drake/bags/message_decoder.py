@@ -51,7 +51,10 @@ class MessageDecoder:
         """
         key = message.encoding, message.type, message.definition
         if key not in self._decoders:
-            self._left_definitions -= len(message.definition)
+            length = len(message.definition)
+            # One that is too long is not looked at.
+            if length <= self._limits.definition:
+                self._left_definitions -= length
             if self._left_definitions < 0:
                 raise LimitError(
                     "whose types have too long definitions; see "

@@ -16,8 +16,8 @@ _TYPE_NAME = re.compile(r"[A-Za-z]\w*(/msg)?/[A-Za-z]\w*", re.ASCII)
 # Type, length of a string, array, its length, name.
 _FIELD = re.compile(
     r"(?P<type>[A-Za-z]\w*(/[A-Za-z]\w*)*)(<=\d{1,9})?"
-    r"(?P<array>\[(<=)?(?P<length>\d{0,9})\])?\s+"
-    r"(?P<name>[A-Za-z]\w*)\s*(?P<constant>=)?",
+    r"(?P<array>\[(<=)?(?P<length>\d{0,18})\])?\s+"
+    r"(?P<name>[A-Za-z]\w*)(?=\s|=|$)\s*(?P<constant>=)?",
     re.ASCII,
 )
 STRING = "string"
