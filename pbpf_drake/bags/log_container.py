@@ -4,7 +4,9 @@ from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_stream import LogStream, Topics
-from pbpf_drake.bags.mcap_stream import MCAP_MAGIC, McapStream
+from pbpf_drake.bags.mcap_records import MCAP_MAGIC
+from pbpf_drake.bags.mcap_stream import McapStream
+from pbpf_drake.bags.read_limits import DEFAULT_LIMITS, ReadLimits
 from pbpf_drake.bags.ros1_bag_stream import Ros1BagStream
 from pbpf_drake.bags.ros1_records import BAG_MAGIC
 from pbpf_drake.bags.rosbag2_stream import Rosbag2Stream
@@ -19,12 +21,17 @@ _STREAMS: dict[bytes, type[LogStream]] = {
 }
 
 
-def OpenLogStream(filename: Path, topics: Topics = None) -> LogStream:
+def OpenLogStream(
+    filename: Path,
+    topics: Topics = None,
+    limits: ReadLimits = DEFAULT_LIMITS,
+) -> LogStream:
     """Returns the stream of a log's messages.
 
     Args:
         filename: a file, or the folder of a ROS 2 recording.
         topics: the topics whose messages are wanted; None means all.
+        limits: what a file may hold at most.
 
     Raises:
         LogError: there is no such file, or it is no log; the message says
@@ -32,12 +39,17 @@ def OpenLogStream(filename: Path, topics: Topics = None) -> LogStream:
     """
 
     def open_file(file: Path) -> LogStream:
-        return OpenLogStream(file, topics)
+        return OpenLogStream(file, topics, limits)
 
     if filename.is_dir():
         return Rosbag2Stream(
-            filename=filename, topics=topics, open_file=open_file
+            filename=filename,
+            topics=topics,
+            limits=limits,
+            open_file=open_file,
         )
+    if filename.exists() and not filename.is_file():
+        raise LogError(f"{_EXPECTED}, but it is a pipe or a device")
     try:
         with filename.open("rb") as file:
             start = file.read(16)
@@ -45,9 +57,11 @@ def OpenLogStream(filename: Path, topics: Topics = None) -> LogStream:
         raise LogError(f"it can't be opened: {error.strerror}") from error
     for magic, stream in _STREAMS.items():
         if start.startswith(magic):
-            return stream(filename=filename, topics=topics)
+            return stream(filename=filename, topics=topics, limits=limits)
     if start.startswith(ZSTD_MAGIC):
-        return ZstdStream(filename=filename, open_file=open_file)
+        # What comes out is no reason for it to hold more.
+        limits = limits.of_file(filename.stat().st_size)
+        return ZstdStream(filename=filename, limits=limits, open_file=open_file)
     raise LogError(f"{_EXPECTED}, but {_describe(start)}")
 
 

@@ -2,32 +2,25 @@
 
 A file is walked record by record. Every chunk of messages carries a checksum:
 a chunk that fails it is left out and the next one is read. A file that was cut
-off is used up to there. The file's own count of messages tells what is
-missing. Nothing is left out without a sentence in ``damage``.
+off is used up to the last message that is whole. The file's own count of
+messages tells what is missing. Nothing is left out without a sentence in
+``damage``.
 """
 
-from bisect import bisect_right
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from io import BytesIO
-import mmap
+from collections.abc import Iterator
 from pathlib import Path
-import struct
 import zlib
 
-from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import (
     Channel,
-    Chunk,
     ChunkIndex,
     DataEnd,
     McapRecord,
-    Message,
     Schema,
     Statistics,
 )
-from mcap.stream_reader import breakup_chunk
 
 from pbpf_drake.bags.log_notes import plural
 from pbpf_drake.bags.log_stream import (
@@ -36,19 +29,26 @@ from pbpf_drake.bags.log_stream import (
     RawMessage,
     Topics,
 )
+from pbpf_drake.bags.mcap_records import (
+    MCAP_MAGIC,
+    RECORD_HEADER,
+    McapChunk,
+    McapMessage,
+    Place,
+    check_records,
+    cut_chunk,
+    find_summary,
+    parse_chunk,
+    parse_message,
+    parse_record,
+    walk_records,
+)
+from pbpf_drake.bags.read_budget import BudgetSpent
+from pbpf_drake.bags.read_limits import DEFAULT_LIMITS, LimitError, ReadLimits
+from pbpf_drake.bags.type_guess import TypeGuess
 
-MCAP_MAGIC = b"\x89MCAP0\r\n"
-_RECORD_HEADER = struct.Struct("<BQ")
-# The end of a file: the fields of the footer, and the magic.
-_END = struct.Struct("<QQI8s")
-_PARSERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
-    Opcode.CHANNEL: Channel.read,
-    Opcode.CHUNK: Chunk.read,
-    Opcode.CHUNK_INDEX: ChunkIndex.read,
-    Opcode.DATA_END: DataEnd.read,
-    Opcode.SCHEMA: Schema.read,
-    Opcode.STATISTICS: Statistics.read,
-}
+# What this project can decode.
+_ENCODINGS = ("cdr", "ros1")
 
 
 class McapStream(LogStream):
@@ -56,9 +56,15 @@ class McapStream(LogStream):
 
     kind = "an MCAP file"
 
-    def __init__(self, *, filename: Path, topics: Topics = None):
+    def __init__(
+        self,
+        *,
+        filename: Path,
+        topics: Topics = None,
+        limits: ReadLimits = DEFAULT_LIMITS,
+    ):
         """Prepares to read a file; see LogStream."""
-        super().__init__(filename=filename, topics=topics)
+        super().__init__(filename=filename, topics=topics, limits=limits)
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
         # By channel, how many messages there should be, and how many there are.
@@ -66,6 +72,12 @@ class McapStream(LogStream):
         self._found: Counter[int] = Counter()
         # Where chunks start.
         self._chunks: set[int] = set()
+        # The topics with messages of ROS.
+        self._readable: set[str] = set()
+        # By topic, what type its messages seem to be.
+        self._guesses: dict[str, TypeGuess] = {}
+        # Whether the records at hand were covered by a checksum.
+        self._protected = False
 
     def Messages(self) -> Iterator[RawMessage]:
         """Yields the messages.
@@ -73,19 +85,31 @@ class McapStream(LogStream):
         Raises:
             LogError: there is no such file, or it can't be opened.
         """
-        with OpenBytes(self._filename) as data:
-            self._ReadSummary(data)
+        # It is closed once no part of it is in use.
+        data = memoryview(OpenBytes(self._filename))
+        self._ReadSummary(data)
+        try:
             yield from self._ReadData(data)
+        except BudgetSpent as error:
+            self._SayThatItEndsHere(error)
+        self._SayWhatWasLeftOut()
         self._CompareCounts()
+        self._SayIfNumbersMayBeWrong()
+        for topic, guess in self._guesses.items():
+            if guess.type:
+                self.types[topic] = guess.type
+                self.damage.append(f"{topic}: {guess.Sentence()}")
 
-    def _ReadSummary(self, data: mmap.mmap) -> None:
+    def _ReadSummary(self, data: memoryview) -> None:
         # It repeats schemas and channels, whose first copies may be damaged.
-        start = _summary_start(data)
+        start = find_summary(data)
         if start is None:
             return
-        for opcode, body, _ in _records(data, start):
+        for place in walk_records(data, start):
             try:
-                record = _parse(opcode, body)
+                record = parse_record(
+                    place.opcode, data[place.begin : place.end]
+                )
             except Exception:  # Damage can show in any way.
                 continue
             if isinstance(record, Statistics):
@@ -95,44 +119,130 @@ class McapStream(LogStream):
             else:
                 self._Define(record)
 
-    def _ReadData(self, data: mmap.mmap) -> Iterator[RawMessage]:
-        begin = end = len(MCAP_MAGIC)
-        for opcode, body, end in _records(data, begin, sorted(self._chunks)):
-            try:
-                record = _parse(opcode, body)
-                content = _content(record)
-            except Exception:  # Damage can show in any way.
-                noun = "chunk" if opcode == Opcode.CHUNK else "record"
-                self._damaged[noun] += 1
-                continue
-            if isinstance(record, DataEnd):
-                begin = end - _RECORD_HEADER.size - len(body)
-                self._CheckEnd(data, begin, record)
+    def _ReadData(self, data: memoryview) -> Iterator[RawMessage]:
+        end = len(MCAP_MAGIC)
+        for place in walk_records(data, end, sorted(self._chunks)):
+            end = place.end
+            self._budget.CountRecord()
+            content = data[place.begin : end]
+            if place.opcode == Opcode.DATA_END and self._IsEnd(data, place):
                 break
-            yield from self._Select(content)
+            if place.opcode == Opcode.CHUNK:
+                yield from self._ReadChunk(content)
+            else:
+                yield from self._ReadRecord(place.opcode, content)
         else:
             self._SayThatItIsCutOff(end, len(data))
-        self._SayWhatWasDamaged()
+            chunk = cut_chunk(data, end)
+            if chunk is not None:
+                yield from self._ReadCutChunk(chunk)
 
-    def _Select(self, records: list[McapRecord]) -> Iterator[RawMessage]:
-        for record in records:
-            if not isinstance(record, Message):
-                self._Define(record)
-                continue
-            self._found[record.channel_id] += 1
-            channel = self._channels.get(record.channel_id)
-            if channel is not None and self._IsWanted(channel.topic):
-                yield self._MakeMessage(record, channel)
+    def _IsEnd(self, data: memoryview, place: Place) -> bool:
+        """Tells if the data ends here, and checks all of it."""
+        try:
+            record = parse_record(place.opcode, data[place.begin : place.end])
+        except Exception:  # Damage can show in any way.
+            self._LeaveOut("record")
+            return False
+        assert isinstance(record, DataEnd)
+        expected = record.data_section_crc
+        self.checksums |= expected != 0
+        section = data[: place.begin - RECORD_HEADER.size]
+        if expected not in (0, zlib.crc32(section)):
+            self.damage.append(
+                "the checksum of the file is wrong: data in it is damaged"
+            )
+        if data[-len(MCAP_MAGIC) :] != MCAP_MAGIC:
+            self.damage.append("the file is cut off after its last message")
+        return True
 
-    def _MakeMessage(self, record: Message, channel: Channel) -> RawMessage:
+    def _ReadChunk(self, content: memoryview) -> Iterator[RawMessage]:
+        try:
+            chunk = parse_chunk(content)
+            records = self._budget.Unpack(chunk.compression, chunk.packed)
+            check_records(chunk, records.content)
+        except BudgetSpent:
+            raise
+        except LimitError as error:
+            self._LeaveOut("chunk", f": {error}")
+        except Exception:  # Damage can show in any way.
+            self._LeaveOut("chunk")
+        else:
+            self._protected = chunk.crc != 0
+            yield from self._ReadRecords(memoryview(records.content))
+
+    def _ReadCutChunk(self, chunk: McapChunk) -> Iterator[RawMessage]:
+        """Reads what is left of a chunk whose end is not in the file."""
+        before = self._found.total()
+        try:
+            records = self._budget.Unpack(chunk.compression, chunk.packed)
+        except Exception:  # That it is cut off is said already.
+            return
+        self._protected = True
+        yield from self._ReadRecords(memoryview(records.content), cut=True)
+        self._SayWhatIsLeftOfAChunk(self._found.total() - before)
+
+    def _ReadRecords(
+        self, records: memoryview, *, cut: bool = False
+    ) -> Iterator[RawMessage]:
+        end = 0
+        for place in walk_records(records, 0):
+            end = place.end
+            self._budget.CountRecord()
+            content = records[place.begin : end]
+            yield from self._ReadRecord(place.opcode, content)
+        if end != len(records) and not cut:
+            self._LeaveOut("part of a chunk")
+        self._protected = False
+
+    def _ReadRecord(
+        self, opcode: int, content: memoryview
+    ) -> Iterator[RawMessage]:
+        try:
+            if opcode != Opcode.MESSAGE:
+                self._Define(parse_record(opcode, content))
+                return
+            message = parse_message(content)
+        except Exception:  # Damage can show in any way.
+            self._LeaveOut("record")
+            return
+        yield from self._Select(message)
+
+    def _Select(self, message: McapMessage) -> Iterator[RawMessage]:
+        self._found[message.channel_id] += 1
+        self.checksums &= self._protected
+        channel = self._channels.get(message.channel_id)
+        if not self._IsAdmitted(len(message.data)) or channel is None:
+            return
+        topic, encoding = channel.topic, channel.message_encoding
+        if not self._IsWanted(topic):
+            return
+        if topic in self._readable and encoding not in _ENCODINGS:
+            self._LeaveOut(
+                "message",
+                f" of {topic} encoded as {encoding!r}, beside those of ROS",
+            )
+            return
+        yield self._MakeMessage(message, channel)
+
+    def _MakeMessage(
+        self, message: McapMessage, channel: Channel
+    ) -> RawMessage:
         schema = self._schemas.get(channel.schema_id)
+        data = bytes(message.data)
+        kind = schema.name if schema else ""
+        if not kind and channel.message_encoding == "cdr":
+            guess = self._guesses.setdefault(
+                channel.topic, TypeGuess(self._limits)
+            )
+            kind = guess.Look(data)
         return RawMessage(
             topic=channel.topic,
-            type=schema.name if schema else "",
+            type=kind,
             encoding=channel.message_encoding,
             definition=_definition(schema) if schema else "",
-            log_time=record.log_time,
-            data=record.data,
+            log_time=message.log_time,
+            data=data,
         )
 
     def _Define(self, record: McapRecord | None) -> None:
@@ -140,18 +250,12 @@ class McapStream(LogStream):
             self._schemas[record.id] = record
         elif isinstance(record, Channel):
             self._channels[record.id] = record
+            readable = record.message_encoding in _ENCODINGS
             schema = self._schemas.get(record.schema_id)
-            self.types[record.topic] = schema.name if schema else ""
-
-    def _CheckEnd(self, data: mmap.mmap, begin: int, record: DataEnd) -> None:
-        with memoryview(data) as view, view[:begin] as section:
-            crc = zlib.crc32(section)
-        if record.data_section_crc not in (0, crc):
-            self.damage.append(
-                "the checksum of the file is wrong: data in it is damaged"
-            )
-        if data[-len(MCAP_MAGIC) :] != MCAP_MAGIC:
-            self.damage.append("the file is cut off after its last message")
+            if readable or record.topic not in self._readable:
+                self.types[record.topic] = schema.name if schema else ""
+            if readable:
+                self._readable.add(record.topic)
 
     def _CompareCounts(self) -> None:
         for identifier, count in self._found.items():
@@ -172,74 +276,3 @@ def _definition(schema: Schema) -> str:
     if schema.encoding not in ("ros2msg", "ros1msg"):
         return ""
     return schema.data.decode(errors="replace")
-
-
-def _records(
-    data: mmap.mmap, begin: int, chunks: Sequence[int] = ()
-) -> Iterator[tuple[int, bytes, int]]:
-    """Yields (opcode, content, end) of every whole record from ``begin``.
-
-    After damage it goes on at the next of the places where chunks are known
-    to start; otherwise it ends there.
-    """
-    while True:
-        end = _record_end(data, begin)
-        resume = _next_chunk(data, begin, end or len(data), chunks)
-        if resume is not None:
-            # What is passed over shows when messages are counted.
-            begin = resume
-        elif end is None:
-            return
-        else:
-            yield data[begin], data[begin + _RECORD_HEADER.size : end], end
-            begin = end
-
-
-def _record_end(data: mmap.mmap, begin: int) -> int | None:
-    """Returns where the record at one place ends, if it is whole."""
-    header = data[begin : begin + _RECORD_HEADER.size]
-    if len(header) < _RECORD_HEADER.size:
-        return None
-    _, length = _RECORD_HEADER.unpack(header)
-    end = begin + _RECORD_HEADER.size + length
-    return end if end <= len(data) else None
-
-
-def _next_chunk(
-    data: mmap.mmap, begin: int, end: int, chunks: Sequence[int]
-) -> int | None:
-    """Returns the first known start strictly between with a chunk there."""
-    for chunk in chunks[bisect_right(chunks, begin) :]:
-        if chunk >= end:
-            break
-        if data[chunk] == Opcode.CHUNK and _record_end(data, chunk):
-            return chunk
-    return None
-
-
-def _parse(opcode: int, body: bytes) -> McapRecord | None:
-    stream = ReadDataStream(BytesIO(body))
-    if opcode == Opcode.MESSAGE:
-        return Message.read(stream, len(body))
-    # All other records are of no use here.
-    return _PARSERS[opcode](stream) if opcode in _PARSERS else None
-
-
-def _content(record: McapRecord | None) -> list[McapRecord]:
-    """Returns what is in a chunk, whose checksum is checked, or the record."""
-    if isinstance(record, Chunk):
-        return breakup_chunk(record, validate_crc=True)
-    return [record] if record else []
-
-
-def _summary_start(data: mmap.mmap) -> int | None:
-    """Returns where the summary starts, if there is one that is whole."""
-    if len(data) < _END.size:
-        return None
-    start, _, crc, magic = _END.unpack(data[-_END.size :])
-    if magic != MCAP_MAGIC or not 0 < start < len(data):
-        return None
-    # The checksum covers all up to itself.
-    if crc not in (0, zlib.crc32(data[start : len(data) - 12])):
-        return None
-    return start

@@ -8,7 +8,6 @@ are compressed have checksums.
 """
 
 from collections.abc import Iterator
-import mmap
 from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
@@ -19,21 +18,23 @@ from pbpf_drake.bags.log_stream import (
     RawMessage,
     Topics,
 )
-from pbpf_drake.bags.ros1_decoding import definition_matches
+from pbpf_drake.bags.message_types import definition_matches
+from pbpf_drake.bags.read_budget import BudgetSpent
+from pbpf_drake.bags.read_limits import DEFAULT_LIMITS, LimitError, ReadLimits
 from pbpf_drake.bags.ros1_records import (
     BAG_MAGIC,
     CHUNK,
     CHUNK_INFO,
     CONNECTION,
     HEADER,
-    INDEX,
     MESSAGE,
     Record,
+    cut_chunk,
     has_checksum,
-    index_entries,
+    index_after,
     parse_fields,
-    unpack_chunk,
     walk_records,
+    whole_records,
 )
 
 
@@ -42,14 +43,22 @@ class Ros1BagStream(LogStream):
 
     kind = "a ROS 1 bag"
 
-    def __init__(self, *, filename: Path, topics: Topics = None):
+    def __init__(
+        self,
+        *,
+        filename: Path,
+        topics: Topics = None,
+        limits: ReadLimits = DEFAULT_LIMITS,
+    ):
         """Prepares to read a file; see LogStream."""
-        super().__init__(filename=filename, topics=topics)
+        super().__init__(filename=filename, topics=topics, limits=limits)
         # By the connection's number: topic, type, definition.
         self._connections: dict[int, tuple[str, str, str]] = {}
         # The connections whose definition has the right checksum.
         self._checked: set[int] = set()
-        self._unprotected = False
+        # The definitions that were checked, and how much more is.
+        self._definitions: set[str] = set()
+        self._left_definitions = limits.definitions
         self._promised_chunks = 0
 
     def Messages(self) -> Iterator[RawMessage]:
@@ -59,24 +68,23 @@ class Ros1BagStream(LogStream):
             LogError: there is no such file, it can't be opened, or it is
                 encrypted.
         """
-        with OpenBytes(self._filename) as data:
-            missing = self._ReadIndex(data)
-            for record in self._Walk(data, sorted(missing)):
-                missing.discard(record.begin if record.kind == CHUNK else -1)
-                if record.kind == CHUNK:
-                    yield from self._ReadChunk(record, data)
-                else:
-                    yield from self._Select(record)
+        # It is closed once no part of it is in use.
+        data = memoryview(OpenBytes(self._filename))
+        missing = self._ReadIndex(data)
+        try:
+            yield from self._ReadAll(data, missing)
+        except BudgetSpent as error:
+            self._SayThatItEndsHere(error)
+            missing = set()
         if missing:
             self.damage.append(
                 f"{plural(len(missing), 'chunk')} can't be found where the "
                 "file's index says"
             )
-        self._SayWhatWasDamaged()
-        if self.damage and self._unprotected:
-            self._SayThatNumbersMayBeWrong()
+        self._SayWhatWasLeftOut()
+        self._SayIfNumbersMayBeWrong()
 
-    def _ReadIndex(self, data: mmap.mmap) -> set[int]:
+    def _ReadIndex(self, data: memoryview) -> set[int]:
         """Reads the index, and returns where chunks start."""
         place = self._IndexPlace(data)
         if not len(BAG_MAGIC) < place <= len(data):
@@ -86,7 +94,7 @@ class Ros1BagStream(LogStream):
             )
             return set()
         chunks = set()
-        for record in _whole_records(data, place):
+        for record in whole_records(data, place):
             # It repeats connections, whose first copies may be damaged.
             if record.kind == CONNECTION:
                 self._Define(record)
@@ -99,8 +107,8 @@ class Ros1BagStream(LogStream):
             )
         return chunks
 
-    def _IndexPlace(self, data: mmap.mmap) -> int:
-        header = next(_whole_records(data, len(BAG_MAGIC)), None)
+    def _IndexPlace(self, data: memoryview) -> int:
+        header = next(whole_records(data, len(BAG_MAGIC)), None)
         if header is None or header.kind != HEADER:
             return -1
         encryptor = header.fields.get("encryptor")
@@ -109,31 +117,91 @@ class Ros1BagStream(LogStream):
         self._promised_chunks = header.Number("chunk_count")
         return header.Number("index_pos")
 
-    def _Walk(self, data: mmap.mmap, chunks: list[int]) -> Iterator[Record]:
-        def lost(begin: int, end: int) -> None:
-            if end < len(data):
-                self.damage.append(f"left out bytes {begin} to {end}: damaged")
-            else:
-                self._SayThatItIsCutOff(begin, end)
+    def _ReadAll(
+        self, data: memoryview, missing: set[int]
+    ) -> Iterator[RawMessage]:
+        """Reads the file, and takes what it finds out of ``missing``."""
+        # Where what is whole ends.
+        end = len(data)
 
-        return walk_records(
-            data, begin=len(BAG_MAGIC), end=len(data), starts=chunks, lost=lost
-        )
+        def lost(begin: int, behind: int) -> None:
+            nonlocal end
+            if behind < len(data):
+                self._Say(f"left out bytes {begin} to {behind}: damaged")
+            else:
+                end = begin
+
+        for record in walk_records(
+            data,
+            begin=len(BAG_MAGIC),
+            end=len(data),
+            starts=sorted(missing),
+            lost=lost,
+        ):
+            self._budget.CountRecord()
+            missing.discard(record.begin if record.kind == CHUNK else -1)
+            if record.kind == CHUNK:
+                yield from self._ReadChunk(record, data)
+            else:
+                self.checksums &= record.kind != MESSAGE
+                yield from self._Select(record)
+        if end < len(data):
+            self._SayThatItIsCutOff(end, len(data))
+            yield from self._ReadCutChunk(data, end)
+
+    def _ReadCutChunk(
+        self, data: memoryview, begin: int
+    ) -> Iterator[RawMessage]:
+        """Reads what is left of a chunk whose end is not in the file."""
+        chunk = cut_chunk(data, begin)
+        if chunk is None:
+            return
+        try:
+            found = self._budget.Unpack(chunk.Text("compression"), chunk.data)
+        except Exception:  # That it is cut off is said already.
+            return
+        content = memoryview(found.content)
+        count = 0
+        for record in whole_records(content, 0):
+            self._budget.CountRecord()
+            count += record.kind == MESSAGE
+            yield from self._Select(record)
+        self._SayWhatIsLeftOfAChunk(count)
 
     def _ReadChunk(
-        self, chunk: Record, data: mmap.mmap
+        self, chunk: Record, data: memoryview
     ) -> Iterator[RawMessage]:
         try:
-            content = unpack_chunk(chunk)
-        except Exception:  # Damage can show in any way.
-            self._damaged["chunk"] += 1
+            found = self._budget.Unpack(chunk.Text("compression"), chunk.data)
+            content = memoryview(found.content)
+            if not found.whole or len(content) != chunk.Number("size"):
+                raise ValueError("its size is wrong")
+        except BudgetSpent:
+            raise
+        except LimitError as error:
+            self._LeaveOut("chunk", f": {error}")
             return
-        self._unprotected |= not has_checksum(chunk)
+        except Exception:  # Damage can show in any way.
+            self._LeaveOut("chunk")
+            return
+        self.checksums &= has_checksum(chunk)
+        yield from self._ReadContent(
+            content, dict(index_after(data, chunk.end))
+        )
+
+    def _ReadContent(
+        self, content: memoryview, index: dict[int, tuple[int, int]]
+    ) -> Iterator[RawMessage]:
+        """Reads what is in a chunk.
+
+        Args:
+            content: unpacked.
+            index: see index_after.
+        """
 
         def lost(begin: int, end: int) -> None:
-            self._damaged["part of a chunk"] += 1
+            self._LeaveOut("part of a chunk")
 
-        index = dict(_index_after(data, chunk.end))
         found = set()
         for record in walk_records(
             content,
@@ -142,16 +210,17 @@ class Ros1BagStream(LogStream):
             starts=sorted(index),
             lost=lost,
         ):
+            self._budget.CountRecord()
             if record.kind == MESSAGE:
                 found.add(record.begin)
                 entry = record.Number("conn"), record.Time()
                 if index.get(record.begin, entry) != entry:
-                    self._damaged["message unlike its index"] += 1
+                    self._LeaveOut("message", " unlike its index: damaged")
                     continue
             yield from self._Select(record)
         count = len(found ^ set(index))
         if count:
-            self.damage.append(
+            self._Say(
                 f"{plural(count, 'message')} of a chunk can't be found, or "
                 "are not in its index"
             )
@@ -161,12 +230,19 @@ class Ros1BagStream(LogStream):
             self._Define(record)
         elif record.kind == MESSAGE:
             known = self._connections.get(record.Number("conn"))
+            if not self._IsAdmitted(len(record.data)):
+                return
             if known is None:
-                self._damaged["message of an unknown topic"] += 1
+                self._LeaveOut("message", " of an unknown topic")
             elif self._IsWanted(known[0]):
                 topic, kind, text = known
                 yield RawMessage(
-                    topic, kind, "ros1", text, record.Time(), record.data
+                    topic,
+                    kind,
+                    "ros1",
+                    text,
+                    record.Time(),
+                    bytes(record.data),
                 )
 
     def _Define(self, record: Record) -> None:
@@ -174,47 +250,26 @@ class Ros1BagStream(LogStream):
         if identifier in self._checked:
             return
         try:
-            fields = parse_fields(record.data)
+            fields = parse_fields(bytes(record.data))
             topic = record.fields["topic"].decode()
             kind, checksum, text = (
                 fields[name].decode(errors="replace")
                 for name in ("type", "md5sum", "message_definition")
             )
         except (KeyError, ValueError):
-            self._damaged["description of a topic"] += 1
+            self._LeaveOut("description of a topic")
             return
-        if self._IsWanted(topic) and not definition_matches(
-            kind, text, checksum
-        ):
+        if self._IsWanted(topic) and not self._Matches(kind, text, checksum):
             text = ""
         else:
             self._checked.add(identifier)
         self._connections[identifier] = topic, kind, text
         self.types[topic] = kind
 
-
-def _whole_records(data: mmap.mmap, begin: int) -> Iterator[Record]:
-    """Yields records up to the first that is damaged."""
-    return walk_records(
-        data,
-        begin=begin,
-        end=len(data),
-        starts=(),
-        lost=lambda begin, end: None,
-    )
-
-
-def _index_after(
-    data: mmap.mmap, begin: int
-) -> Iterator[tuple[int, tuple[int, int]]]:
-    """Yields what the index behind a chunk says of its messages.
-
-    Yields:
-        A message's offset in the chunk, and the number of its connection with
-        its time (in nanoseconds).
-    """
-    for record in _whole_records(data, begin):
-        if record.kind != INDEX:
-            return
-        for connection, time, offset in index_entries(record):
-            yield offset, (connection, time)
+    def _Matches(self, kind: str, text: str, checksum: str) -> bool:
+        if text not in self._definitions:
+            self._definitions.add(text)
+            self._left_definitions -= len(text)
+        return self._left_definitions >= 0 and definition_matches(
+            kind, text, checksum, self._limits
+        )

@@ -5,18 +5,16 @@ the file and again within a chunk.
 """
 
 from bisect import bisect_right
-import bz2
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-import mmap
 import struct
-
-import lz4.frame
 
 BAG_MAGIC = b"#ROSBAG V2.0\n"
 MESSAGE, HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
 _KINDS = {MESSAGE, HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION}
 _LENGTH = struct.Struct("<I")
+# A header has numbers and the name of a topic (in bytes).
+_MAX_HEADER = 4096
 _TIME = struct.Struct("<II")
 _ENTRY = struct.Struct("<III")
 
@@ -28,13 +26,13 @@ class Record:
     Attributes:
         kind: one of the constants above.
         fields: the fields of its header.
-        data: what follows the header.
+        data: what follows the header; a part of what it was read from.
         begin, end: where it is.
     """
 
     kind: int
     fields: dict[str, bytes]
-    data: bytes
+    data: memoryview
     begin: int
     end: int
 
@@ -58,7 +56,7 @@ class Record:
 
 
 def walk_records(
-    content: bytes | mmap.mmap,
+    content: memoryview,
     *,
     begin: int,
     end: int,
@@ -88,10 +86,11 @@ def walk_records(
 
 
 def _next_start(
-    content: bytes | mmap.mmap, begin: int, end: int, starts: Sequence[int]
+    content: memoryview, begin: int, end: int, starts: Sequence[int]
 ) -> int | None:
     """Returns the first known start strictly between with a record there."""
-    for start in starts[bisect_right(starts, begin) :]:
+    for index in range(bisect_right(starts, begin), len(starts)):
+        start = starts[index]
         if start >= end:
             break
         if _parse(content, start, len(content)):
@@ -99,14 +98,14 @@ def _next_start(
     return None
 
 
-def _parse(content: bytes | mmap.mmap, begin: int, limit: int) -> Record | None:
+def _parse(content: memoryview, begin: int, limit: int) -> Record | None:
     """Returns the record at one place, or None if it is not whole."""
     header_end = _end_of_block(content, begin, limit)
     data_end = header_end and _end_of_block(content, header_end, limit)
     if not header_end or not data_end:
         return None
     try:
-        fields = parse_fields(content[begin + _LENGTH.size : header_end])
+        fields = _fields(content, begin, header_end)
         kind = fields["op"][0]
     except (KeyError, IndexError, ValueError):
         return None
@@ -116,8 +115,22 @@ def _parse(content: bytes | mmap.mmap, begin: int, limit: int) -> Record | None:
     return Record(kind, fields, data, begin, data_end)
 
 
+def _fields(
+    content: memoryview, begin: int, header_end: int
+) -> dict[str, bytes]:
+    """Returns the fields of the header of a record.
+
+    Raises:
+        ValueError: it is damaged.
+    """
+    header = content[begin + _LENGTH.size : header_end]
+    if len(header) > _MAX_HEADER:
+        raise ValueError("it is too long")
+    return parse_fields(bytes(header))
+
+
 def _end_of_block(
-    content: bytes | mmap.mmap, begin: int, limit: int
+    content: bytes | memoryview, begin: int, limit: int
 ) -> int | None:
     """Returns where a block, which starts with its length, ends."""
     after = begin + _LENGTH.size
@@ -158,30 +171,49 @@ def index_entries(record: Record) -> Iterator[tuple[int, int, int]]:
         yield connection, seconds * 10**9 + nanoseconds, offset
 
 
-def unpack_chunk(record: Record) -> bytes:
-    """Returns what is in a chunk.
+def whole_records(data: memoryview, begin: int) -> Iterator[Record]:
+    """Yields records up to the first that is damaged."""
+    return walk_records(
+        data,
+        begin=begin,
+        end=len(data),
+        starts=(),
+        lost=lambda begin, end: None,
+    )
 
-    Raises:
-        Exception: of any kind, if it is damaged.
+
+def index_after(
+    data: memoryview, begin: int
+) -> Iterator[tuple[int, tuple[int, int]]]:
+    """Yields what the index behind a chunk says of its messages.
+
+    Yields:
+        A message's offset in the chunk, and the number of its connection with
+        its time (in nanoseconds).
     """
-    size = record.Number("size")
-    compression = record.Text("compression")
-    if compression == "none":
-        content, whole = record.data, True
-    elif compression in ("bz2", "lz4"):
-        decompressor = (
-            bz2.BZ2Decompressor()
-            if compression == "bz2"
-            else lz4.frame.LZ4FrameDecompressor()
-        )
-        # One byte more, to get to the checksum at the end.
-        content = decompressor.decompress(record.data, size + 1)
-        whole = decompressor.eof
-    else:
-        raise ValueError(f"compressed by {compression!r}")
-    if not whole or len(content) != size:
-        raise ValueError("its size is wrong")
-    return content
+    for record in whole_records(data, begin):
+        if record.kind != INDEX:
+            return
+        for connection, time, offset in index_entries(record):
+            yield offset, (connection, time)
+
+
+def cut_chunk(content: memoryview, begin: int) -> Record | None:
+    """Returns the chunk at one place that the end of the file has cut off.
+
+    Its data is what is left of it. None if there is something else.
+    """
+    header_end = _end_of_block(content, begin, len(content))
+    after = (header_end or len(content)) + _LENGTH.size
+    if header_end is None or after > len(content):
+        return None
+    try:
+        fields = _fields(content, begin, header_end)
+    except ValueError:
+        return None
+    if fields.get("op", b"")[:1] != bytes([CHUNK]):
+        return None
+    return Record(CHUNK, fields, content[after:], begin, len(content))
 
 
 def has_checksum(chunk: Record) -> bool:

@@ -8,9 +8,18 @@ from typing import Any
 import yaml
 
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.bags.log_stream import LogStream, RawMessage, Topics
+from pbpf_drake.bags.log_stream import (
+    LogStream,
+    RawMessage,
+    Topics,
+)
+from pbpf_drake.bags.read_limits import DEFAULT_LIMITS, ReadLimits, megabytes
 
 METADATA = "metadata.yaml"
+# That of a thousand files has half a megabyte (in bytes).
+_MAX_METADATA = 4_000_000
+# The one in C is ten times as fast, where there is one.
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 # Which files are read where metadata.yaml doesn't name them.
 _ENDINGS = ("*.mcap", "*.db3", "*.mcap.zstd", "*.db3.zstd")
 
@@ -25,6 +34,7 @@ class Rosbag2Stream(LogStream):
         *,
         filename: Path,
         topics: Topics,
+        limits: ReadLimits = DEFAULT_LIMITS,
         open_file: Callable[[Path], LogStream],
     ):
         """Prepares to read a folder; see LogStream.
@@ -32,9 +42,10 @@ class Rosbag2Stream(LogStream):
         Args:
             filename: the folder.
             topics: the topics whose messages are wanted; None means all.
+            limits: what each file may hold at most.
             open_file: opens one of its files, for these topics.
         """
-        super().__init__(filename=filename, topics=topics)
+        super().__init__(filename=filename, topics=topics, limits=limits)
         self._open_file = open_file
         self._promised: dict[str, int] = {}
 
@@ -58,6 +69,7 @@ class Rosbag2Stream(LogStream):
                 errors.append(f"{file.name}: {error}")
                 continue
             self.types.update(stream.types)
+            self.checksums &= stream.checksums
             self.damage += [f"{file.name}: {said}" for said in stream.damage]
         if len(errors) == len(files):
             raise LogError("; ".join(errors))
@@ -86,7 +98,9 @@ class Rosbag2Stream(LogStream):
         path = self._filename / METADATA
         if not path.is_file():
             raise FileNotFoundError("there is none")
-        data: Any = yaml.safe_load(path.read_bytes())
+        if path.stat().st_size > _MAX_METADATA:
+            raise ValueError(f"it is longer than {megabytes(_MAX_METADATA)}")
+        data: Any = yaml.load(path.read_bytes(), Loader=_LOADER)
         information = data["rosbag2_bagfile_information"]
         # As in ROS 2, files are in this folder, whatever path is given.
         names = [Path(p).name for p in information["relative_file_paths"]]
@@ -95,7 +109,7 @@ class Rosbag2Stream(LogStream):
             if self._IsWanted(topic):
                 self._promised[topic] = int(entry["message_count"])
         # A recorder that was broken off may have left names empty.
-        return [name for name in names if name]
+        return list(dict.fromkeys(name for name in names if name))
 
     def _CompareCounts(self, found: Counter[str]) -> None:
         for topic, promised in self._promised.items():

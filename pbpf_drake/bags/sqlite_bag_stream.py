@@ -6,27 +6,34 @@ reading goes on at the next row that can. The format has no checksums.
 
 from collections.abc import Iterator
 from contextlib import closing
-import os
 from pathlib import Path
 import re
-import shutil
 import sqlite3
 import tempfile
 from typing import Any
-from urllib.parse import quote
 
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.bags.log_notes import plural
-from pbpf_drake.bags.log_stream import LogStream, RawMessage, Topics
+from pbpf_drake.bags.log_stream import (
+    LogStream,
+    RawMessage,
+    Topics,
+)
+from pbpf_drake.bags.read_limits import DEFAULT_LIMITS, ReadLimits
+from pbpf_drake.bags.sqlite_database import (
+    Row,
+    RowsEndError,
+    SqliteDatabase,
+    whole_pages,
+)
 
 SQLITE_MAGIC = b"SQLite format 3\0"
-_ROWS = "SELECT id, topic_id, timestamp, data FROM messages"
+_ROWS = (
+    "SELECT id, topic_id, timestamp, data FROM messages WHERE id > ? "
+    "ORDER BY id"
+)
 # After this many rows on end that can't be read, each step passes over twice as
-# many as the one before.
-_PATIENCE = 200
-
-# Number, topic, time, data.
-_Row = tuple[Any, Any, Any, Any]
+# many as the one before; and so it does from the start after many such places.
+_PATIENCE, _MANY = 200, 2000
 
 
 class SqliteBagStream(LogStream):
@@ -34,12 +41,18 @@ class SqliteBagStream(LogStream):
 
     kind = "a ROS 2 SQLite bag"
 
-    def __init__(self, *, filename: Path, topics: Topics = None):
+    def __init__(
+        self,
+        *,
+        filename: Path,
+        topics: Topics = None,
+        limits: ReadLimits = DEFAULT_LIMITS,
+    ):
         """Prepares to read a file; see LogStream."""
-        super().__init__(filename=filename, topics=topics)
+        super().__init__(filename=filename, topics=topics, limits=limits)
+        self.checksums = False
         # By the topic's number: topic, type, encoding, definition.
         self._known: dict[int, tuple[str, str, str, str]] = {}
-        self._unknown = 0
 
     def Messages(self) -> Iterator[RawMessage]:
         """Yields the messages.
@@ -47,72 +60,57 @@ class SqliteBagStream(LogStream):
         Raises:
             LogError: there is no such file, or it is not a ROS 2 bag.
         """
-        with (
-            tempfile.TemporaryDirectory() as folder,
-            closing(_connect(self._Mended(Path(folder)))) as database,
-        ):
-            self._ReadTopics(database)
-            for row in self._Rows(database):
-                yield from self._Select(row)
-        self._SayWhatWasDamaged()
-        if self._unknown:
-            count = plural(self._unknown, "message")
-            self.damage.append(f"left out {count} of an unknown topic")
-        if self.damage:
-            self._SayThatNumbersMayBeWrong()
+        with tempfile.TemporaryDirectory() as folder:
+            path, said = whole_pages(self._filename, Path(folder))
+            self.damage += [said] if said else []
+            size = self.size + _journal_size(path)
+            with closing(SqliteDatabase(path, self._limits, size)) as database:
+                self._ReadTopics(database)
+                try:
+                    for row in self._Rows(database):
+                        yield from self._Select(row)
+                except RowsEndError as error:
+                    self._SayThatItEndsHere(error)
+        self._SayWhatWasLeftOut()
+        self._SayIfNumbersMayBeWrong()
 
-    def _Mended(self, folder: Path) -> Path:
-        """Returns the file, or a copy of it that ends with a whole page.
-
-        Where a page is cut off, SQLite would read zeros.
-        """
-        path = self._filename.absolute()
-        size = path.stat().st_size
-        with path.open("rb") as file:
-            header = file.read(32)
-        page = int.from_bytes(header[16:18], "big")
-        page = 65536 if page == 1 else page
-        expected = page * int.from_bytes(header[28:32], "big")
-        if size < expected:
-            self.damage.append(
-                f"the file is cut off: it has {size} of {expected} bytes"
-            )
-        if not page or size % page == 0:
-            return path
-        copy = folder / path.name
-        shutil.copyfile(path, copy)
-        os.truncate(copy, size - size % page)
-        return copy
-
-    def _ReadTopics(self, database: sqlite3.Connection) -> None:
+    def _ReadTopics(self, database: SqliteDatabase) -> None:
         try:
+            if not database.HasTable("topics") or not database.HasTable(
+                "messages"
+            ):
+                raise sqlite3.DatabaseError("no such table")
             definitions = self._Definitions(database)
-            rows = database.execute(
-                "SELECT id, name, type, serialization_format FROM topics"
-            ).fetchall()
-        except sqlite3.Error as error:
+            rows = list(
+                database.Rows(
+                    "SELECT id, name, type, serialization_format FROM topics"
+                )
+            )
+        except (sqlite3.Error, RowsEndError) as error:
             raise LogError(
                 f"it is an SQLite file without the topics of a ROS 2 bag, or "
                 f"they are damaged ({error})"
             ) from error
         for number, topic, kind, encoding in rows:
             if not _is_name(topic) or not _is_name(kind):
-                self.damage.append(f"left out the topic {topic!r}: damaged")
+                self._Say(f"left out the topic {topic!r}: damaged")
                 continue
             text = definitions.get(kind, "")
             self._known[number] = topic, kind, str(encoding), text
             self.types[topic] = kind
 
-    def _Definitions(self, database: sqlite3.Connection) -> dict[str, str]:
+    def _Definitions(self, database: SqliteDatabase) -> dict[str, str]:
         """Returns the definitions of types, which older bags don't have."""
-        if not _columns(database, "message_definitions"):
-            return {}
         try:
-            rows = database.execute(
-                "SELECT topic_type, encoding, encoded_message_definition "
-                "FROM message_definitions"
-            ).fetchall()
-        except sqlite3.Error as error:
+            if not database.HasTable("message_definitions"):
+                return {}
+            rows = list(
+                database.Rows(
+                    "SELECT topic_type, encoding, encoded_message_definition "
+                    "FROM message_definitions"
+                )
+            )
+        except (sqlite3.Error, RowsEndError) as error:
             self.damage.append(f"definitions of types are damaged ({error})")
             return {}
         return {
@@ -121,53 +119,65 @@ class SqliteBagStream(LogStream):
             if encoding == "ros2msg" and isinstance(text, str)
         }
 
-    def _Rows(self, database: sqlite3.Connection) -> Iterator[_Row]:
+    def _Rows(self, database: SqliteDatabase) -> Iterator[Row]:
         """Yields the rows in order, and passes over those that are damaged."""
-        query = f"{_ROWS} WHERE id > ? ORDER BY id"
         last = _last_number(database)
         # The number of the last row that was good, and the number after which
         # to try next.
         good = number = -1
-        failures, reason = 0, ""
+        failures, places, reason = 0, 0, ""
         while number < last:
             try:
-                for row in database.execute(query, (number,)):
+                for row in database.Rows(_ROWS, (number,)):
+                    _check_number(row[0], good, last)
                     if failures:
-                        self._SayLost(f"{good + 1} to {row[0] - 1}", reason)
+                        numbers = f"{good + 1} to {row[0] - 1}"
+                        self._SayLost(numbers, reason)
                     failures, good = 0, row[0]
                     number = good
                     yield row
                 break
-            except sqlite3.Error as error:
-                failures, reason = failures + 1, str(error)
-                number += 2 ** max(0, failures - _PATIENCE)
+            except (sqlite3.Error, _OutOfOrderError) as error:
+                failures, places = failures + 1, places + 1
+                reason = str(error)
+                patience = _PATIENCE if places < _MANY else 0
+                number += 2 ** max(0, failures - patience)
         if failures:
             self._SayLost(f"after {good}", reason)
 
     def _SayLost(self, numbers: str, reason: str) -> None:
-        self.damage.append(f"left out the messages {numbers}: {reason}")
+        self._Say(f"left out the messages {numbers}: {reason}")
 
-    def _Select(self, row: _Row) -> Iterator[RawMessage]:
+    def _Select(self, row: Row) -> Iterator[RawMessage]:
         _, number, time, data = row
-        known = self._known.get(number)
         if not isinstance(time, int) or not isinstance(data, bytes):
-            self._damaged["message"] += 1
-        elif known is None:
-            self._unknown += 1
+            self._LeaveOut("message")
+            return
+        known = self._known.get(number)
+        if known is None:
+            self._LeaveOut("message", " of an unknown topic")
         elif self._IsWanted(known[0]):
             topic, kind, encoding, text = known
             yield RawMessage(topic, kind, encoding, text, time, data)
 
 
-def _connect(path: Path) -> sqlite3.Connection:
-    # Without a journal beside it nothing else writes to the file.
-    journal = path.with_name(path.name + "-wal")
-    mode = "mode=ro" if journal.exists() else "mode=ro&immutable=1"
-    database = sqlite3.connect(f"file:{quote(str(path))}?{mode}", uri=True)
-    database.text_factory = lambda text: text.decode(errors="replace")
-    # Otherwise SQLite refuses a file whose end is missing.
-    database.execute("PRAGMA writable_schema = ON")
-    return database
+class _OutOfOrderError(ValueError):
+    """A row is not where it should be."""
+
+
+def _check_number(number: Any, after: int, last: int) -> None:
+    """Checks the number of a row.
+
+    Args:
+        number: what the file has in its place.
+        after: the number of the row before.
+        last: the number of the last row.
+
+    Raises:
+        _OutOfOrderError: it can't follow.
+    """
+    if not isinstance(number, int) or not after < number <= last:
+        raise _OutOfOrderError(f"row {number} can't follow row {after}")
 
 
 def _is_name(text: Any) -> bool:
@@ -175,15 +185,15 @@ def _is_name(text: Any) -> bool:
     return isinstance(text, str) and bool(re.fullmatch(r"[\w/~]+", text, re.A))
 
 
-def _columns(database: sqlite3.Connection, table: str) -> list[str]:
-    rows = database.execute(f"PRAGMA table_info({table})").fetchall()
-    return [row[1] for row in rows]
+def _journal_size(path: Path) -> int:
+    journal = path.with_name(path.name + "-wal")
+    return journal.stat().st_size if journal.exists() else 0
 
 
-def _last_number(database: sqlite3.Connection) -> int:
+def _last_number(database: SqliteDatabase) -> int:
     """Returns the number of the last message, as far as that is known."""
     try:
-        (last,) = database.execute("SELECT max(id) FROM messages").fetchone()
+        ((last,),) = database.Rows("SELECT max(id) FROM messages")
     except sqlite3.Error:
         return 2**62
-    return last or 0
+    return last if isinstance(last, int) else 0

@@ -67,7 +67,8 @@ def SurveyLog(path: Path) -> LogSurvey:
     Raises:
         LogError: it is no log.
     """
-    stream, decoder, survey = OpenLogStream(path), MessageDecoder(), LogSurvey()
+    stream, survey = OpenLogStream(path), LogSurvey()
+    decoder = MessageDecoder(size=stream.size)
     for message in stream.Messages():
         topic = survey.topics.setdefault(
             message.topic, TopicSurvey(message.type)

@@ -9,6 +9,7 @@ from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import LogNotes
 from pbpf_drake.bags.log_stream import RawMessage
 from pbpf_drake.bags.message_decoder import MessageDecoder
+from pbpf_drake.bags.read_limits import DEFAULT_LIMITS, LimitError, ReadLimits
 from pbpf_drake.bags.ros2_messages import is_one_of
 from pbpf_drake.log.log_samples import JointSample, PoseSample, RawStamped
 from pbpf_drake.log.sample_extraction import (
@@ -38,7 +39,10 @@ class LogSamples:
 
 
 def ReadSamples(
-    path: Path, types: Mapping[str, Sequence[str]], notes: LogNotes
+    path: Path,
+    types: Mapping[str, Sequence[str]],
+    notes: LogNotes,
+    limits: ReadLimits = DEFAULT_LIMITS,
 ) -> LogSamples:
     """Reads the samples on some topics of a log.
 
@@ -46,37 +50,56 @@ def ReadSamples(
         path: the file or folder.
         types: by topic, the types that its messages may have.
         notes: counts the messages that are damaged, and says what else is.
+        limits: what the file may hold at most.
 
     Raises:
         LogError: it is no log, or a topic has messages of another type.
     """
-    stream, decoder = OpenLogStream(path, types), MessageDecoder()
+    stream = OpenLogStream(path, types, limits)
+    decoder = MessageDecoder(limits, stream.size)
+    # By topic, why a message on it can't be what the scene asks for.
+    misfits: dict[str, str] = {}
+    fitting: set[str] = set()
     samples = LogSamples(poses={topic: [] for topic in types})
     for message in stream.Messages():
-        _check_type(message, types[message.topic])
+        counts = notes.On(message.topic, "message")
+        misfit = _misfit(message, types[message.topic])
+        if misfit:
+            misfits.setdefault(message.topic, misfit)
+            counts.CountLeftOut(misfit)
+            continue
+        fitting.add(message.topic)
         try:
             _add(samples, message, decoder)
+        except LimitError as error:
+            counts.CountLeftOut(str(error))
         except Exception:  # Damage can show in any way.
-            counts = notes.On(message.topic, "message")
             counts.CountLeftOut("that can't be decoded")
-    for sentence in stream.damage:
+    for topic, misfit in misfits.items():
+        if topic not in fitting:
+            raise LogError(f"topic {topic} has messages {misfit}")
+    for sentence in (*stream.damage, *decoder.Sentences()):
         notes.Add(sentence)
     samples.types.update(stream.types)
     return samples
 
 
-def _check_type(message: RawMessage, expected: Sequence[str]) -> None:
-    if not is_one_of(message.type, expected):
-        raise LogError(
-            f"topic {message.topic} has messages of type {message.type!r}"
-            f"; expected {' or '.join(expected)}"
-        )
+def _misfit(message: RawMessage, expected: Sequence[str]) -> str:
+    """Returns why a message can't be used, as in "messages of ..."."""
+    wanted = f"; expected {' or '.join(expected)}"
     if message.encoding not in ("cdr", "ros1"):
-        raise LogError(
-            f"topic {message.topic} has messages encoded as "
-            f"{message.encoding!r}; expected cdr or ros1, as ROS 2 and "
-            "ROS 1 record them"
+        return (
+            f"encoded as {message.encoding!r}; expected cdr or ros1, as ROS 2 "
+            "and ROS 1 record them"
         )
+    if not message.type:
+        return (
+            "of a type that the file does not name, and that is none of those "
+            f"known{wanted}: record it where the type's package is installed"
+        )
+    if not is_one_of(message.type, expected):
+        return f"of type {message.type!r}{wanted}"
+    return ""
 
 
 def _add(

@@ -8,7 +8,7 @@ import zstandard
 from pbpf_drake.bags.log_container import OpenLogStream
 from pbpf_drake.bags.log_stream import RawMessage
 from pbpf_drake.bags.message_decoder import MessageDecoder
-from pbpf_drake.bags.ros1_decoding import definition_matches
+from pbpf_drake.bags.message_types import definition_matches
 
 LOG = make_small_log()
 

@@ -5,13 +5,11 @@ import struct
 import pytest
 
 from pbpf_drake.bags.ros1_records import (
-    CHUNK,
     CONNECTION,
     MESSAGE,
     Record,
     index_entries,
     parse_fields,
-    unpack_chunk,
     walk_records,
 )
 
@@ -89,20 +87,6 @@ def test_a_start_that_is_wrong_does_no_harm():
 def test_a_damaged_header_is_refused(header):
     with pytest.raises(ValueError):
         parse_fields(header)
-
-
-def _chunk(size, compression, data):
-    fields = {"size": struct.pack("<I", size), "compression": compression}
-    return Record(CHUNK, fields, data, 0, 0)
-
-
-def test_a_chunk_of_another_size_is_refused():
-    assert unpack_chunk(_chunk(3, b"none", b"abc")) == b"abc"
-    for size in (2, 4):
-        with pytest.raises(ValueError, match="size"):
-            unpack_chunk(_chunk(size, b"none", b"abc"))
-    with pytest.raises(ValueError, match="compressed by 'zip'"):
-        unpack_chunk(_chunk(3, b"zip", b"abc"))
 
 
 def test_an_index_may_end_in_half_an_entry():
