@@ -12,35 +12,41 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.bags.log_notes import LogNotes
+from pbpf_drake.bags.log_notes import LogNotes, TopicNotes
 from pbpf_drake.bags.ros2_messages import DETECTION_ARRAY, is_one_of
 from pbpf_drake.config.log_topics import is_frame
 from pbpf_drake.config.scene_config import Scene
-from pbpf_drake.log.detection_cleaning import make_detection_records
-from pbpf_drake.log.joint_cleaning import make_joint_record
-from pbpf_drake.log.log_clock import find_clock
-from pbpf_drake.log.log_frames import LogFrames
-from pbpf_drake.log.log_records import DetectionRecord, Log, PoseRecord
-from pbpf_drake.log.log_samples import (
-    JointSample,
-    PoseSample,
-    RawStamped,
-    Stamped,
+from pbpf_drake.log.detection_checks import detection_warnings
+from pbpf_drake.log.detection_cleaning import (
+    detections_by_object,
+    make_detection_records,
 )
+from pbpf_drake.log.input_usage import InputUsage, make_usage, usage_warning
+from pbpf_drake.log.joint_merging import make_joint_plan, make_joint_record
+from pbpf_drake.log.log_frames import LogFrames
+from pbpf_drake.log.log_records import (
+    DetectionRecord,
+    JointRecord,
+    Log,
+    PoseRecord,
+)
+from pbpf_drake.log.log_samples import PoseSample, RawStamped, Stamped
 from pbpf_drake.log.log_sources import LogSources
+from pbpf_drake.log.log_timeline import LogTimeline, find_timeline
 from pbpf_drake.log.pose_checks import is_usable_pose
 from pbpf_drake.log.sample_reader import LogSamples, ReadSamples
 from pbpf_drake.log.tf_joints import tf_joint_samples
 from pbpf_drake.log.transform_tree import TransformTree, make_transform_tree
 from pbpf_drake.log.truth_cleaning import make_pose_record
-
-_Joints = list[Stamped[JointSample]]
-# By topic, what its messages say.
-_Poses = Mapping[str, list[Stamped[PoseSample]]]
+from pbpf_drake.model_facts import ModelFacts
 
 
 def ReadLog(
-    *, filename: str | Path, scene: Scene, joint_names: Sequence[str]
+    *,
+    filename: str | Path,
+    scene: Scene,
+    joint_names: Sequence[str],
+    facts: ModelFacts | None = None,
 ) -> Log:
     """Reads what the filter needs of one recorded manipulation.
 
@@ -53,18 +59,23 @@ def ReadLog(
         scene: names topics, frames, the joints in the log and the objects.
         joint_names: the robot's joints in the model's order, which becomes
             the order of the log's columns.
+        facts: what is known of the scene's models, as a PredictionModel has
+            it. Without it, joints that follow others must be in the log, and
+            detections aren't compared with where things are.
 
     Returns:
         The log. Its ``warnings`` say what was left out. A log without
-        detections is one of them.
+        detections is one of them. Its ``usage`` counts what was used.
 
     Raises:
         LogError: there is no such file, it isn't a log, a topic has messages
-            of another type, or no joint state can be used.
+            of another type, no joint state can be used, or a joint is in no
+            message, follows no other and isn't fixed by the scene.
     """
     path = Path(filename).expanduser()
     try:
-        return _LogReader(scene, joint_names).Read(path)
+        reader = _LogReader(scene, joint_names, facts or ModelFacts())
+        return reader.Read(path)
     except LogError as error:
         raise LogError(f"Log {path}: {error}") from error
 
@@ -72,29 +83,26 @@ def ReadLog(
 class _LogReader:
     """Everything that is known while one file is read."""
 
-    def __init__(self, scene: Scene, joint_names: Sequence[str]):
+    def __init__(
+        self, scene: Scene, joint_names: Sequence[str], facts: ModelFacts
+    ):
         self._scene = scene
-        self._joint_names = _joints_in_log(scene, joint_names)
+        self._joint_names = list(joint_names)
+        self._facts = facts
+        self._plan = make_joint_plan(scene.topics, joint_names, facts.mimics)
         self._sources = LogSources(scene)
         self._notes = LogNotes()
+        self._usage: list[InputUsage] = []
 
     def Read(self, path: Path) -> Log:
         samples = ReadSamples(path, self._sources.types, self._notes)
-        joints, poses = self._PlaceInTime(samples)
-        # What tf says once for all times may have been sent long before.
-        static = samples.poses.get(self._scene.topics.tf_static, [])
-        tree = self._MakeTree(poses, static)
-        frames = self._MakeFrames(poses, tree)
-        if self._scene.topics.tf_joints:
-            names = list(self._joint_names)
-            joints = tf_joint_samples(tree, self._scene.topics, names)
-        record, start = make_joint_record(
-            joints,
-            names=self._joint_names,
-            notes=self._notes.On(self._sources.joints, "message"),
-        )
-        detections = self._Detections(poses, samples.types, frames, start)
-        truth = self._GroundTruth(poses, frames, start)
+        timeline = self._FindTimeline(samples)
+        tree = self._MakeTree(samples, timeline)
+        frames = self._MakeFrames(samples, timeline, tree)
+        record, start = self._Joints(samples, timeline, tree)
+        detections = self._Detections(samples, timeline, frames, start)
+        truth = self._GroundTruth(samples, timeline, frames, start)
+        self._CountUndecoded(samples)
         return Log(
             joints=record,
             detections=detections,
@@ -102,117 +110,186 @@ class _LogReader:
             start_time=start,
             warnings=self._notes.Sentences(),
             X_WC=frames.X_WC,
+            usage=tuple(self._usage),
         )
 
-    def _PlaceInTime(self, samples: LogSamples) -> tuple[_Joints, _Poses]:
-        source, topics = self._sources.joints, self._scene.topics
+    def _FindTimeline(self, samples: LogSamples) -> LogTimeline:
         # The messages that say where the joints are: they have little delay.
-        reference: Sequence[RawStamped[object]] = samples.joints
-        if topics.tf_joints:
-            reference = samples.poses[source]
+        by_topic: Mapping[str, Sequence[RawStamped[object]]] = samples.joints
+        if self._scene.topics.tf_joints:
+            by_topic = samples.poses
+        reference = max((by_topic[t] for t in self._sources.joints), key=len)
         if not reference:
             raise LogError(self._NoJointStates(samples.types))
-        clock = find_clock(reference, self._notes)
-        notes = self._notes.On(source, "message")
-        joints = clock.Place(samples.joints, notes)
-        poses = {
-            topic: clock.Place(said, self._notes.On(topic, "message"))
-            for topic, said in samples.poses.items()
-            if topic != topics.tf_static
-        }
-        return joints, poses
+        return find_timeline(reference, self._notes)
 
     def _NoJointStates(self, types: Mapping[str, str]) -> str:
         there = ", ".join(f"{t} ({types[t]})" for t in sorted(types))
-        topic = self._sources.joints
-        expected = " or ".join(self._sources.types[topic])
+        sources = self._sources
+        expected = " or ".join(sources.types[sources.joints[0]])
         return (
             f"there are no joint states; expected {expected} on the topic "
-            f"{topic}; the topics are: {there or 'none'}"
+            f"{' or '.join(sources.joints)}; the topics are: "
+            f"{there or 'none'}"
             + "".join(f"; {s}" for s in self._notes.Sentences())
         )
 
+    def _Joints(
+        self, samples: LogSamples, timeline: LogTimeline, tree: TransformTree
+    ) -> tuple[JointRecord, int]:
+        topics = self._scene.topics
+        if topics.tf_joints:
+            names = [n for n in self._plan.logged if n in topics.tf_joints]
+            placed = tf_joint_samples(tree, topics, names)
+            parts = [(self._notes.On(topics.tf, "joint sample"), placed)]
+            read = [len(placed)]
+        else:
+            parts = []
+            for topic in self._sources.joints:
+                notes = self._notes.On(topic, "message")
+                placed = timeline.Place(samples.joints[topic], notes)
+                parts.append((notes, placed))
+            read = [samples.counts[topic] for topic in self._sources.joints]
+        result = make_joint_record(
+            parts,
+            plan=self._plan,
+            joint_names=self._joint_names,
+            notes=self._notes,
+        )
+        for (notes, _), count in zip(parts, read, strict=True):
+            self._AddUsage(notes, read=count)
+        return result
+
     def _MakeTree(
-        self, poses: _Poses, static: Sequence[RawStamped[PoseSample]]
+        self, samples: LogSamples, timeline: LogTimeline
     ) -> TransformTree:
         topics = self._scene.topics
+        # What tf says once for all times may have been sent long before.
+        static = samples.poses.get(topics.tf_static, [])
         notes = self._notes.On(topics.tf_static, "transform")
         return make_transform_tree(
-            self._Transforms(poses, topics.tf),
+            self._Transforms(samples, timeline, topics.tf),
             [m.value for m in static if is_usable_pose(m.value, notes)],
             notes=self._notes,
         )
 
-    def _MakeFrames(self, poses: _Poses, tree: TransformTree) -> LogFrames:
+    def _MakeFrames(
+        self, samples: LogSamples, timeline: LogTimeline, tree: TransformTree
+    ) -> LogFrames:
         topics = self._scene.topics
         return LogFrames(
             topics=topics,
             tree=tree,
-            base=self._Transforms(poses, topics.ground_truth_base),
+            base=self._Transforms(samples, timeline, topics.ground_truth_base),
             camera=self._scene.camera.pose(),
             notes=self._notes,
         )
 
     def _Transforms(
-        self, poses: _Poses, topic: str
+        self, samples: LogSamples, timeline: LogTimeline, topic: str
     ) -> list[Stamped[PoseSample]]:
         """Returns the poses of a topic that a tree can be made of."""
+        notes = self._notes.On(topic, "message")
+        placed = timeline.Place(samples.poses.get(topic, []), notes)
         notes = self._notes.On(topic, "transform")
-        said = poses.get(topic, [])
-        return [m for m in said if is_usable_pose(m.value, notes)]
+        return [m for m in placed if is_usable_pose(m.value, notes)]
 
     def _Detections(
         self,
-        poses: _Poses,
-        types: Mapping[str, str],
+        samples: LogSamples,
+        timeline: LogTimeline,
         frames: LogFrames,
         start: int,
     ) -> tuple[DetectionRecord, ...]:
-        topics = self._scene.topics
         found: list[DetectionRecord] = []
         for source, name in self._sources.detections.items():
             # An array names its objects, also on a topic for one of them.
-            names_them = is_one_of(types.get(source, ""), (DETECTION_ARRAY,))
+            names_them = is_one_of(
+                samples.types.get(source, ""), (DETECTION_ARRAY,)
+            )
             notes = self._notes.On(source, "detection")
-            seen = self._sources.Poses(poses, source)
-            found += make_detection_records(
-                frames.InCamera(seen, notes),
+            said = self._sources.Poses(samples.poses, source)
+            by_object = detections_by_object(
+                said,
                 name=None if names_them else name,
                 names_by_class=self._scene.object_by_class(),
-                start=start,
                 notes=notes,
             )
+            for owner, seen in by_object.items():
+                found += self._DetectionsOf(
+                    seen, timeline, frames, start, notes.Of(owner)
+                )
+            strangers = len(said) - sum(len(s) for s in by_object.values())
+            if strangers:
+                self._AddUsage(notes, read=strangers)
         if not found:
-            kind = "in" if is_frame(topics.detections) else "on the topic"
-            self._notes.Add(
-                f"there are no detections of {self._scene.object_names()} "
-                f"{kind} {topics.detections}: estimates stay at the scene's "
-                "nominal poses"
-            )
+            self._SayThatThereIsNoDetection()
         return tuple(sorted(found, key=lambda d: (d.received, d.time, d.name)))
 
+    def _DetectionsOf(
+        self,
+        seen: Sequence[RawStamped[PoseSample]],
+        timeline: LogTimeline,
+        frames: LogFrames,
+        start: int,
+        notes: TopicNotes,
+    ) -> list[DetectionRecord]:
+        """Returns the detections of one object."""
+        X_WC = frames.X_WC or self._scene.camera.pose()
+        p_WO = self._facts.nominal.get(notes.owner)
+        records = make_detection_records(
+            frames.InCamera(timeline.Place(seen, notes), notes),
+            name=notes.owner,
+            start=start,
+            expected=None if p_WO is None else X_WC.inverse() @ p_WO,
+            notes=notes,
+        )
+        self._AddUsage(notes, read=len(seen))
+        if ahead := timeline.AheadWarning(seen):
+            notes.Add(f"detections of {notes.owner!r}: {ahead}")
+        for sentence in detection_warnings(
+            records, scene=self._scene, X_WC=X_WC, boxes=self._facts.boxes
+        ):
+            notes.Add(sentence)
+        return records
+
+    def _SayThatThereIsNoDetection(self) -> None:
+        source = self._scene.topics.detections
+        kind = "in" if is_frame(source) else "on the topic"
+        self._notes.Add(
+            f"there are no detections of {self._scene.object_names()} {kind} "
+            f"{source}: estimates stay at the scene's nominal poses"
+        )
+
     def _GroundTruth(
-        self, poses: _Poses, frames: LogFrames, start: int
+        self,
+        samples: LogSamples,
+        timeline: LogTimeline,
+        frames: LogFrames,
+        start: int,
     ) -> dict[str, PoseRecord]:
         found = {}
         for name, source in self._sources.ground_truth.items():
-            notes = self._notes.On(source, "message")
-            placed = frames.InWorld(self._sources.Truth(poses, name), notes)
+            notes = self._notes.On(source, "message").Of(name)
+            said = self._sources.Truth(samples.poses, name)
+            placed = frames.InWorld(timeline.Place(said, notes), notes)
             record = make_pose_record(placed, start=start, notes=notes)
+            if said:
+                self._AddUsage(notes, read=len(said))
             if record:
                 found[name] = record
         return found
 
+    def _CountUndecoded(self, samples: LogSamples) -> None:
+        """Counts the messages that can't be decoded, so are of no object."""
+        for topic in samples.poses:
+            notes = self._notes.On(topic, "message")
+            damaged = sum(notes.LeftOut().values())
+            if damaged and topic not in self._sources.joints:
+                self._AddUsage(notes, read=samples.counts[topic])
 
-def _joints_in_log(scene: Scene, joint_names: Sequence[str]) -> dict[str, str]:
-    """Returns the joints' names in the log by their names in the model."""
-    renamed = scene.topics.joint_names
-    unknown = sorted(set(renamed) - set(joint_names))
-    if unknown:
-        raise LogError(
-            f"the scene's topics.joint_names names {unknown}, which the robot "
-            f"does not have; its joints are {list(joint_names)}"
-        )
-    if scene.topics.tf_joints:
-        return {name: name for name in joint_names}
-    return {name: renamed.get(name, name) for name in joint_names}
+    def _AddUsage(self, notes: TopicNotes, *, read: int) -> None:
+        usage = make_usage(notes, read=read)
+        self._usage.append(usage)
+        if warning := usage_warning(usage):
+            self._notes.Add(warning)

@@ -1,6 +1,6 @@
 """Makes samples of decoded messages, whatever type of message they are."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -83,22 +83,37 @@ def _tf(message: Any) -> list[_Part]:
 
 def _detections(message: Any) -> list[_Part]:
     return [
-        _part(message.header, *_best_result(d.results))
+        (message.header, _detection(frame_name(message.header.frame_id), d))
         for d in message.detections
     ]
 
 
-def _best_result(results: Sequence[Any]) -> tuple[str, _Arrays]:
-    """Returns the class name and the pose of the highest score."""
+def _detection(frame: str, detection: Any) -> PoseSample:
+    """Returns the result of the highest score.
+
+    Some detectors fill in only the bounding box, and leave the pose of the
+    result at zero.
+    """
+    results = detection.results
     if not results:
-        return "", (np.zeros(4), np.zeros(3))
+        return PoseSample(frame, "", np.zeros(4), np.zeros(3))
     # Before ROS 2 Humble a result had no hypothesis, and an id in its place.
     hypotheses = [getattr(result, "hypothesis", result) for result in results]
     best = max(range(len(results)), key=lambda i: hypotheses[i].score)
     class_id = getattr(hypotheses[best], "class_id", None)
     if class_id is None:
         class_id = hypotheses[best].id
-    return str(class_id), pose_arrays(results[best].pose.pose)
+    score = float(hypotheses[best].score)
+    pose, box = results[best].pose.pose, detection.bbox.center
+    is_of_bbox = not _says_something(pose) and _says_something(box)
+    arrays = pose_arrays(box if is_of_bbox else pose)
+    return PoseSample(frame, str(class_id), *arrays, score, is_of_bbox)
+
+
+def _says_something(pose: Any) -> bool:
+    """Tells if a decoded Pose isn't what an empty message has."""
+    q, p = pose_arrays(pose)
+    return bool(np.any(p != 0) or np.any(q[1:] != 0))
 
 
 def _part(header: Any, name: str, arrays: _Arrays) -> _Part:

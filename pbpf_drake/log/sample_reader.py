@@ -1,5 +1,6 @@
 """Reads the samples of a log's messages, whatever file they are in."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,12 +29,14 @@ class LogSamples:
 
     Attributes:
         poses: by topic; empty for a topic that has none.
-        joints: the joint states, which are all on one topic.
+        joints: the joint states by topic; empty for a topic that has none.
+        counts: by topic, how many messages there are on it.
         types: of all topics in the file, the name of their messages' type.
     """
 
     poses: dict[str, list[RawStamped[PoseSample]]]
-    joints: list[RawStamped[JointSample]] = field(default_factory=list)
+    joints: dict[str, list[RawStamped[JointSample]]]
+    counts: Counter[str] = field(default_factory=Counter)
     types: dict[str, str] = field(default_factory=dict)
 
 
@@ -51,8 +54,12 @@ def ReadSamples(
         LogError: it is no log, or a topic has messages of another type.
     """
     stream, decoder = OpenLogStream(path, types), MessageDecoder()
-    samples = LogSamples(poses={topic: [] for topic in types})
+    samples = LogSamples(
+        poses={topic: [] for topic in types},
+        joints={topic: [] for topic in types},
+    )
     for message in stream.Messages():
+        samples.counts[message.topic] += 1
         _check_type(message, types[message.topic])
         try:
             _add(samples, message, decoder)
@@ -87,6 +94,7 @@ def _add(
         raise ValueError("the time can't be")
     decoded = decoder.Decode(message)
     if is_one_of(message.type, JOINT_TYPES):
-        samples.joints.append(extract_joints(message, decoded))
+        joints = extract_joints(message, decoded)
+        samples.joints[message.topic].append(joints)
     else:
         samples.poses[message.topic] += extract_poses(message, decoded)

@@ -1,0 +1,64 @@
+"""How old detections are when they arrive."""
+
+import numpy as np
+
+# A larger share of detections of this kind is worth a warning.
+_MAX_SHARE = 0.1
+# Stamps that are later than the recording by more are of a clock that is ahead
+# (in seconds).
+_MAX_AHEAD = 0.01
+
+
+def age_summary(ages: np.ndarray) -> str:
+    """Returns a clause on how old detections are.
+
+    Args:
+        ages: (N,) from the image's stamp to when they were received (in
+            seconds); at least one.
+    """
+    median, high = np.percentile(ages, [50, 95])
+    return (
+        f"{median:.3f} s old when they arrive (median; 95th percentile "
+        f"{high:.3f} s)"
+    )
+
+
+def age_warning(
+    times: np.ndarray, received: np.ndarray, *, period: float, max_age: float
+) -> str:
+    """Returns a clause if too many detections are too old; otherwise nothing.
+
+    Args:
+        times: (N,) stamps of the images (in seconds).
+        received: (N,) when the detections arrived (in seconds).
+        period: time between updates of the filter, the first of which is at 0
+            (in seconds).
+        max_age: from which on detections aren't used (in seconds).
+    """
+    next_update = np.ceil(received / period - 1e-9) * period
+    old = np.count_nonzero(next_update - times > max_age + 1e-9)
+    if old <= _MAX_SHARE * len(times):
+        return ""
+    return (
+        f"{old} of {len(times)} are older than filter.max_detection_age, "
+        f"{max_age:g} s, at the filter's next update, so they come too late to "
+        f"be used: they are {age_summary(received - times)}; the detector is "
+        "slow, or the camera's clock is behind"
+    )
+
+
+def ahead_warning(ahead: np.ndarray) -> str:
+    """Returns a clause if a camera's clock is ahead; otherwise nothing.
+
+    Args:
+        ahead: (N,) from when the detections were recorded to their stamps (in
+            seconds).
+    """
+    early = np.count_nonzero(ahead > _MAX_AHEAD)
+    if early <= _MAX_SHARE * len(ahead):
+        return ""
+    return (
+        f"{early} of {len(ahead)} have stamps later than they were recorded, "
+        f"by {np.median(ahead[ahead > _MAX_AHEAD]):.3f} s (median): the "
+        "camera's clock is ahead; they are used at their stamps"
+    )

@@ -1,0 +1,66 @@
+"""How much of a log's input was used."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pbpf_drake.bags.log_notes import TopicNotes, plural
+
+# A larger share than this that is left out is worth a warning.
+MAX_LEFT_OUT = 0.1
+
+
+@dataclass(frozen=True)
+class InputUsage:
+    """How much of what a source says of one thing was used.
+
+    Attributes:
+        source: a topic, or "tf:" and a frame.
+        name: the tracked model that it is of; empty for joint states, and for
+            what belongs to no model.
+        noun: what is counted: "message" or "detection".
+        read: how many there are.
+        used: how many of them became part of the log.
+        left_out: how many were not, by the reason as a clause. Together with
+            ``used`` they are ``read``.
+    """
+
+    source: str
+    name: str
+    noun: str
+    read: int
+    used: int
+    left_out: Mapping[str, int]
+
+    @property
+    def num_left_out(self) -> int:
+        """How many were left out for any reason."""
+        return sum(self.left_out.values())
+
+
+def make_usage(notes: TopicNotes, *, read: int) -> InputUsage:
+    """Returns what was used of what ``notes`` counts.
+
+    Args:
+        notes: have counted what was left out.
+        read: how many there are.
+    """
+    left_out = notes.LeftOut()
+    return InputUsage(
+        source=notes.topic,
+        name=notes.owner,
+        noun=notes.noun,
+        read=read,
+        used=read - sum(left_out.values()),
+        left_out=left_out,
+    )
+
+
+def usage_warning(usage: InputUsage) -> str:
+    """Returns a sentence if much was left out; otherwise nothing."""
+    left_out = usage.num_left_out
+    if not usage.name or left_out <= MAX_LEFT_OUT * usage.read:
+        return ""
+    return (
+        f"{usage.source}: only {usage.used} of "
+        f"{plural(usage.read, usage.noun)} of {usage.name!r} can be used"
+    )
