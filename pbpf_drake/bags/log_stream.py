@@ -38,14 +38,16 @@ class RawMessage:
 class LogStream(ABC):
     """The messages of one log on given topics, in the file's order.
 
-    Once ``Messages()`` has yielded its last message, ``types`` and ``damage``
-    are complete.
+    Once ``Messages()`` has yielded its last message, ``types``, ``damage`` and
+    ``checksums`` are complete.
 
     Attributes:
         kind: what kind of file it is, as in "an MCAP file".
         types: by topic, the name of the type of its messages. It has all
             topics, also those that aren't wanted.
         damage: one sentence for everything that could not be read.
+        checksums: whether all that was read was covered by a checksum, so
+            that a number that is damaged shows.
     """
 
     kind: str
@@ -59,6 +61,7 @@ class LogStream(ABC):
         """
         self.types: dict[str, str] = {}
         self.damage: list[str] = []
+        self.checksums = True
         self._filename = filename
         self._topics = topics
         # How many things of each kind are damaged, by the noun for them.

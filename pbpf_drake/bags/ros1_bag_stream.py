@@ -73,6 +73,7 @@ class Ros1BagStream(LogStream):
                 "file's index says"
             )
         self._SayWhatWasDamaged()
+        self.checksums = not self._unprotected
         if self.damage and self._unprotected:
             self._SayThatNumbersMayBeWrong()
 

@@ -59,6 +59,7 @@ class Rosbag2Stream(LogStream):
                 continue
             self.types.update(stream.types)
             self.damage += [f"{file.name}: {said}" for said in stream.damage]
+            self.checksums &= stream.checksums
         if len(errors) == len(files):
             raise LogError("; ".join(errors))
         self.damage += errors

@@ -51,6 +51,7 @@ class SqliteBagStream(LogStream):
             tempfile.TemporaryDirectory() as folder,
             closing(_connect(self._Mended(Path(folder)))) as database,
         ):
+            self.checksums = False
             self._ReadTopics(database)
             for row in self._Rows(database):
                 yield from self._Select(row)

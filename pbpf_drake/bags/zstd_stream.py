@@ -44,6 +44,7 @@ class ZstdStream(LogStream):
             yield from stream.Messages()
             self.types = stream.types
             self.damage += stream.damage
+            self.checksums = stream.checksums
 
     def _Unpack(self, target: Path) -> None:
         """Unpacks as much as can be; ``damage`` says if that is not all."""

@@ -1,6 +1,6 @@
 """How much of a log's input was used."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from pbpf_drake.bags.log_notes import TopicNotes, plural
@@ -53,6 +53,25 @@ def make_usage(notes: TopicNotes, *, read: int) -> InputUsage:
         used=read - sum(left_out.values()),
         left_out=left_out,
     )
+
+
+def usage_lines(rows: Sequence[InputUsage]) -> list[str]:
+    """Returns a line on each of some counts.
+
+    Args:
+        rows: of one log.
+    """
+    lines = []
+    for row in rows:
+        what = f" of {row.name!r}" if row.name else ""
+        line = (
+            f"{row.source}: {plural(row.read, row.noun)}{what} read, "
+            f"{row.used} used"
+        )
+        for reason, count in row.left_out.items():
+            line += f"; {count} left out: {reason}"
+        lines.append(line)
+    return lines
 
 
 def usage_warning(usage: InputUsage) -> str:

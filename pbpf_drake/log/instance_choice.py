@@ -10,8 +10,8 @@ import numpy as np
 from pbpf_drake.bags.log_notes import TopicNotes
 from pbpf_drake.log.log_samples import PoseSample, Stamped
 
-# Scores that are at least this share of the highest one are as good.
-_AS_GOOD = 0.9
+# Scores that are less than the highest one by up to this share are as good.
+_MARGIN = 0.1
 
 
 def one_instance(
@@ -56,11 +56,8 @@ def _choose(poses: Sequence[PoseSample], last: np.ndarray | None) -> PoseSample:
     scores = np.nan_to_num(scores, posinf=0.0, neginf=0.0)
     if last is None:
         return poses[int(scores.argmax())]
-    good = [
-        pose
-        for pose, score in zip(poses, scores, strict=True)
-        if score >= _AS_GOOD * scores.max()
-    ]
+    least = scores.max() - _MARGIN * abs(scores.max())
+    good = [p for p, s in zip(poses, scores, strict=True) if s >= least]
     return min(good, key=lambda pose: float(np.linalg.norm(pose.p - last)))
 
 
