@@ -35,15 +35,23 @@ def age_warning(
             (in seconds).
         max_age: from which on detections aren't used (in seconds).
     """
-    next_update = np.ceil(received / period - 1e-9) * period
-    old = np.count_nonzero(next_update - times > max_age + 1e-9)
-    if old <= _MAX_SHARE * len(times):
+    # At each update that has new detections, the newest one counts.
+    newest: dict[int, float] = {}
+    updates = np.ceil(received / period - 1e-9).astype(int)
+    for update, time in zip(updates.tolist(), times.tolist(), strict=True):
+        newest[update] = max(time, newest.get(update, -np.inf))
+    old = sum(
+        update * period - time > max_age + 1e-9
+        for update, time in newest.items()
+    )
+    if old <= _MAX_SHARE * len(newest):
         return ""
     return (
-        f"{old} of {len(times)} are older than filter.max_detection_age, "
-        f"{max_age:g} s, at the filter's next update, so they come too late to "
-        f"be used: they are {age_summary(received - times)}; the detector is "
-        "slow, or the camera's clock is behind"
+        f"at {old} of {len(newest)} updates of the filter that get new ones, "
+        f"the newest is older than filter.max_detection_age, {max_age:g} s: "
+        f"they are {age_summary(received - times)}, as the detector is slow "
+        "or the camera's clock is behind; raise filter.max_detection_age, or "
+        "correct the stamps"
     )
 
 

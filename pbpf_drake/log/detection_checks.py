@@ -37,10 +37,7 @@ def detection_warnings(
         max_age=config.max_detection_age,
     )
     misplaced = place_warnings(
-        p_CO,
-        p_WO=p_CO @ X_WC.rotation().matrix().T + X_WC.translation(),
-        camera=scene.camera,
-        boxes=boxes,
+        p_CO, camera=scene.camera, X_WC=X_WC, boxes=boxes
     )
     return [
         f"detections of {records[0].name!r}: {clause}"

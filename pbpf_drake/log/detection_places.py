@@ -4,6 +4,7 @@ Units, fields and frames get mixed up; the numbers are finite all the same.
 """
 
 import numpy as np
+from pydrake.math import RigidTransform
 
 from pbpf_drake.config.camera_config import CameraConfig
 
@@ -14,6 +15,9 @@ _MIN_DISTANCE = 0.12
 _MARGIN = 0.2
 # What is further from everything than this is nowhere (in meters).
 _MAX_DISTANCE = 1.0
+# Positions that are misplaced may be in another unit: that would be their size
+# in meters, and they would be this near to something (in meters).
+_FACTORS, _NEAR = (0.01, 0.001, 0.1, 10.0, 100.0, 1000.0), 0.1
 # A larger share of misplaced detections than this is worth a warning.
 _MAX_SHARE = 0.1
 
@@ -21,8 +25,8 @@ _MAX_SHARE = 0.1
 def place_warnings(
     p_CO: np.ndarray,
     *,
-    p_WO: np.ndarray,
     camera: CameraConfig,
+    X_WC: RigidTransform,
     boxes: np.ndarray,
 ) -> list[str]:
     """Returns clauses on detections of one object that are misplaced.
@@ -32,35 +36,48 @@ def place_warnings(
 
     Args:
         p_CO: (N, 3) positions in the camera's optical frame (in meters).
-        p_WO: (N, 3) the same in the world.
         camera: its image.
+        X_WC: the camera's pose in the world.
         boxes: (B, 2, 3) around all that is known in the scene, see ModelFacts.
     """
-    depth = p_CO[:, 2]
     at_camera = np.linalg.norm(p_CO, axis=1) < _MIN_DISTANCE
-    behind = ~at_camera & (depth <= 0)
+    behind = ~at_camera & (p_CO[:, 2] <= 0)
     outside = ~at_camera & ~behind & ~in_or_near_image(p_CO, camera)
-    distances = distances_to_boxes(p_WO, boxes)
+    distances = distances_to_boxes(_in_world(p_CO, X_WC), boxes)
     far = ~(at_camera | behind | outside) & (distances > _MAX_DISTANCE)
-    where = {
-        f"at the camera, less than {_MIN_DISTANCE:g} m from it; is the pose in "
-        "the field results[].pose, in meters?": at_camera,
-        "behind the camera; are they in its optical frame, with z forward and "
-        "y down?": behind,
-        "outside the camera's image; are they in its optical frame, with z "
-        "forward and y down, and are the scene's camera and its size "
-        "right?": outside,
-        f"more than {_MAX_DISTANCE:g} m from everything in the scene; are they "
-        "in meters, and are the scene's camera.X_WC and the detections' frame "
-        "right?": far,
-    }
+    kinds = (
+        (f"at the camera, less than {_MIN_DISTANCE:g} m from it", at_camera),
+        ("behind the camera", behind),
+        ("outside the camera's image", outside),
+        (f"more than {_MAX_DISTANCE:g} m from everything in the scene", far),
+    )
     return [
-        f"{np.count_nonzero(bad)} of {len(p_CO)} lie {clause} Their median "
-        f"distance from the camera is "
-        f"{np.median(np.linalg.norm(p_CO[bad], axis=1)):.3g} m"
-        for clause, bad in where.items()
+        f"{np.count_nonzero(bad)} of {len(p_CO)} are {clause} (median "
+        f"position {np.median(p_CO[bad], axis=0).round(3).tolist()} in the "
+        "camera's optical frame: x right, y down, z forward, in meters); "
+        f"{_remedy(p_CO[bad], X_WC, boxes)}"
+        for clause, bad in kinds
         if np.count_nonzero(bad) > _MAX_SHARE * len(p_CO)
     ]
+
+
+def _remedy(p_CO: np.ndarray, X_WC: RigidTransform, boxes: np.ndarray) -> str:
+    """Returns what may be wrong with misplaced detections, as a clause."""
+    for factor in _FACTORS if len(boxes) else ():
+        p_WO = _in_world(factor * p_CO, X_WC)
+        if np.median(distances_to_boxes(p_WO, boxes)) < _NEAR:
+            return (
+                f"times {factor:g} they would be near something: check the "
+                "unit of the detector's positions"
+            )
+    return (
+        "check the unit, the field that the detector writes the pose to, its "
+        "frame, and the scene's camera"
+    )
+
+
+def _in_world(p_C: np.ndarray, X_WC: RigidTransform) -> np.ndarray:
+    return p_C @ X_WC.rotation().matrix().T + X_WC.translation()
 
 
 def in_or_near_image(p_CO: np.ndarray, camera: CameraConfig) -> np.ndarray:

@@ -5,7 +5,7 @@ There is a sample of all joints whenever one of them was measured: the others
 are interpolated, and held before their first message and after their last.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +37,20 @@ class JointPlan:
     logged: Mapping[str, str]
     fixed: Mapping[str, float]
     mimics: Mapping[str, MimicJoint]
+
+
+def unlogged_joints(plan: JointPlan, found: Collection[str]) -> list[str]:
+    """Returns the names in the log of joints that are still to be found.
+
+    Args:
+        plan: where each joint's motion comes from.
+        found: all joints that the log names.
+    """
+    return [
+        in_log
+        for name, in_log in plan.logged.items()
+        if in_log not in found and name not in plan.mimics
+    ]
 
 
 # What one joint does at N times: positions and, if all are known, velocities.

@@ -13,7 +13,12 @@ from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.log.camera_images import image_topics
 from pbpf_drake.log.detection_ages import age_summary
 from pbpf_drake.log.input_usage import usage_lines
-from pbpf_drake.log.joint_merging import make_joint_plan, missing_joints
+from pbpf_drake.log.joint_merging import (
+    make_joint_plan,
+    missing_joints,
+    unlogged_joints,
+)
+from pbpf_drake.log.joint_topics import joint_topics
 from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.log.log_records import Log
 from pbpf_drake.log.log_sources import LogSources
@@ -146,12 +151,22 @@ def _joints(
         found |= survey.joints.get(source, set())
         others = [t for t in _named(survey, JOINT_TYPES) if t != source]
         lines.append(_line("joint states", source, there, others))
-    plan = make_joint_plan(topics, joint_names, facts.mimics)
-    missing = [
-        in_log
-        for name, in_log in plan.logged.items()
-        if in_log not in found and name not in plan.mimics
-    ]
+    try:
+        plan = make_joint_plan(topics, joint_names, facts.mimics)
+        elsewhere = joint_topics(
+            unlogged_joints(plan, found),
+            {
+                topic: names
+                for topic, names in survey.joints.items()
+                if found and topic not in topics.joint_topics()
+            },
+        )
+    except LogError:  # The verdict says it.
+        return lines
+    for topic, names in elsewhere.items():
+        lines.append(f"  joints {names}: {topic}")
+        found |= set(names)
+    missing = unlogged_joints(plan, found)
     if found and missing:
         lines[-1] += f"; {missing_joints(missing, sorted(found))}"
     return lines

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.bags.log_notes import LogNotes, TopicNotes
+from pbpf_drake.bags.log_notes import TopicNotes
 from pbpf_drake.bags.ros2_messages import DETECTION_ARRAY, is_one_of
 from pbpf_drake.config.log_topics import is_frame
 from pbpf_drake.config.scene_config import Scene
@@ -22,7 +22,10 @@ from pbpf_drake.log.detection_cleaning import (
     make_detection_records,
 )
 from pbpf_drake.log.input_usage import InputUsage, make_usage, usage_warning
-from pbpf_drake.log.joint_merging import make_joint_plan, make_joint_record
+from pbpf_drake.log.joint_merging import (
+    make_joint_plan,
+    make_joint_record,
+)
 from pbpf_drake.log.log_frames import LogFrames
 from pbpf_drake.log.log_records import (
     DetectionRecord,
@@ -31,10 +34,10 @@ from pbpf_drake.log.log_records import (
     PoseRecord,
 )
 from pbpf_drake.log.log_samples import PoseSample, RawStamped, Stamped
-from pbpf_drake.log.log_sources import LogSources
 from pbpf_drake.log.log_timeline import LogTimeline, find_timeline
 from pbpf_drake.log.pose_checks import is_usable_pose
-from pbpf_drake.log.sample_reader import LogSamples, ReadSamples
+from pbpf_drake.log.sample_reader import LogSamples
+from pbpf_drake.log.scene_samples import ReadSceneSamples
 from pbpf_drake.log.tf_joints import tf_joint_samples
 from pbpf_drake.log.transform_tree import TransformTree, make_transform_tree
 from pbpf_drake.log.truth_cleaning import make_pose_record
@@ -74,8 +77,8 @@ def ReadLog(
     """
     path = Path(filename).expanduser()
     try:
-        reader = _LogReader(scene, joint_names, facts or ModelFacts())
-        return reader.Read(path)
+        reader = _LogReader(path, scene, joint_names, facts or ModelFacts())
+        return reader.Read()
     except LogError as error:
         raise LogError(f"Log {path}: {error}") from error
 
@@ -84,18 +87,22 @@ class _LogReader:
     """Everything that is known while one file is read."""
 
     def __init__(
-        self, scene: Scene, joint_names: Sequence[str], facts: ModelFacts
+        self,
+        path: Path,
+        scene: Scene,
+        joint_names: Sequence[str],
+        facts: ModelFacts,
     ):
         self._scene = scene
         self._joint_names = list(joint_names)
         self._facts = facts
         self._plan = make_joint_plan(scene.topics, joint_names, facts.mimics)
-        self._sources = LogSources(scene)
-        self._notes = LogNotes()
+        self._input = ReadSceneSamples(path, scene, self._plan)
+        self._sources, self._notes = self._input.sources, self._input.notes
         self._usage: list[InputUsage] = []
 
-    def Read(self, path: Path) -> Log:
-        samples = ReadSamples(path, self._sources.types, self._notes)
+    def Read(self) -> Log:
+        samples = self._input.samples
         timeline = self._FindTimeline(samples)
         tree = self._MakeTree(samples, timeline)
         frames = self._MakeFrames(samples, timeline, tree)

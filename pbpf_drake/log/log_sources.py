@@ -1,6 +1,6 @@
 """Which topics and frames of a log a scene asks for."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from pbpf_drake.config.log_topics import for_object, frame_name, is_frame
 from pbpf_drake.config.scene_config import Scene
@@ -29,11 +29,12 @@ class LogSources:
         ground_truth: by the object's name, its source.
     """
 
-    def __init__(self, scene: Scene):
+    def __init__(self, scene: Scene, more_joints: Collection[str] = ()):
         """Makes the lists.
 
         Args:
             scene: names topics, frames and objects.
+            more_joints: topics of joint states that the scene doesn't name.
         """
         topics = scene.topics
         self._tf = topics.tf
@@ -41,7 +42,9 @@ class LogSources:
         self._names_truth = "{name}" in topics.ground_truth
         class_ids = {v: k for k, v in scene.object_by_class().items()}
         self.joints = (
-            (topics.tf,) if topics.tf_joints else topics.joint_topics()
+            (topics.tf,)
+            if topics.tf_joints
+            else (*topics.joint_topics(), *more_joints)
         )
         self.detections: dict[str, str | None] = {topics.detections: None}
         if "{name}" in topics.detections or len(class_ids) == 1:

@@ -72,6 +72,22 @@ def ReadSamples(
     return samples
 
 
+def joint_names_of(samples: LogSamples, topic: str | None = None) -> set[str]:
+    """Returns the names of the joints on one topic, or on all.
+
+    Args:
+        samples: of a log.
+        topic: None means all.
+    """
+    return {
+        name
+        for where, on_topic in samples.joints.items()
+        if topic in (None, where)
+        for sample in on_topic
+        for name in sample.value.names
+    }
+
+
 def _check_type(message: RawMessage, expected: Sequence[str]) -> None:
     if not is_one_of(message.type, expected):
         raise LogError(
