@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 from pbpf_drake.bags.log_notes import TopicNotes, plural
 
-# A larger share than this that is left out is worth a warning.
+# What a detection is called where things are counted.
+DETECTION = "detection"
+# A larger share of detections than this that is left out is worth a warning.
 MAX_LEFT_OUT = 0.1
 
 
@@ -75,9 +77,14 @@ def usage_lines(rows: Sequence[InputUsage]) -> list[str]:
 
 
 def usage_warning(usage: InputUsage) -> str:
-    """Returns a sentence if much was left out; otherwise nothing."""
+    """Returns a sentence if many detections of an object were left out.
+
+    Args:
+        usage: of anything; for anything else the sentence is empty.
+    """
     left_out = usage.num_left_out
-    if not usage.name or left_out <= MAX_LEFT_OUT * usage.read:
+    is_of_object = usage.noun == DETECTION and usage.name
+    if not is_of_object or left_out <= MAX_LEFT_OUT * usage.read:
         return ""
     return (
         f"{usage.source}: only {usage.used} of "

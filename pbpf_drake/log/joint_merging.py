@@ -169,7 +169,8 @@ def merge_joints(
     _add_the_rest(columns, plan, len(times), joint_names, notes)
     missing = [name for name in joint_names if name not in columns]
     if missing:
-        problem = missing_joints([plan.logged[n] for n in missing], found)
+        in_log = [plan.logged[name] for name in missing]
+        problem = missing_joints(in_log, tuple(found))
         raise LogError("; ".join([problem, *notes.Sentences()]))
     chosen = [columns[name] for name in joint_names]
     velocities = [v for _, v in chosen if v is not None]
@@ -264,7 +265,7 @@ def missing_joints(missing: Sequence[str], found: Sequence[str]) -> str:
     """
     return (
         f"the log is without the joints {list(missing)}; it has "
-        f"{tuple(found)}: name a topic that has them in "
+        f"{found}: name a topic that has them in "
         "topics.more_joint_states, the names that they have in the log in "
         "topics.joint_names, or the positions of those that nobody measures "
         "in topics.fixed_joints"

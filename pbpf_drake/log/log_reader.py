@@ -21,7 +21,12 @@ from pbpf_drake.log.detection_cleaning import (
     detections_by_object,
     make_detection_records,
 )
-from pbpf_drake.log.input_usage import InputUsage, make_usage, usage_warning
+from pbpf_drake.log.input_usage import (
+    DETECTION,
+    InputUsage,
+    make_usage,
+    usage_warning,
+)
 from pbpf_drake.log.joint_merging import (
     make_joint_plan,
     make_joint_record,
@@ -146,7 +151,11 @@ class _LogReader:
     ) -> tuple[JointRecord, int]:
         topics = self._scene.topics
         if topics.tf_joints:
-            names = [n for n in self._plan.logged if n in topics.tf_joints]
+            names = [
+                name
+                for name in self._plan.logged
+                if name in topics.tf_joints or name not in self._plan.mimics
+            ]
             placed = tf_joint_samples(tree, topics, names)
             parts = [(self._notes.On(topics.tf, "joint sample"), placed)]
             read = [len(placed)]
@@ -214,7 +223,7 @@ class _LogReader:
             names_them = is_one_of(
                 samples.types.get(source, ""), (DETECTION_ARRAY,)
             )
-            notes = self._notes.On(source, "detection")
+            notes = self._notes.On(source, DETECTION)
             said = self._sources.Poses(samples.poses, source)
             by_object = detections_by_object(
                 said,

@@ -104,16 +104,18 @@ def _detection(frame: str, detection: Any) -> PoseSample:
     if class_id is None:
         class_id = hypotheses[best].id
     score = float(hypotheses[best].score)
-    pose, box = results[best].pose.pose, detection.bbox.center
-    is_of_bbox = not _says_something(pose) and _says_something(box)
-    arrays = pose_arrays(box if is_of_bbox else pose)
-    return PoseSample(frame, str(class_id), *arrays, score, is_of_bbox)
+    q, p = pose_arrays(results[best].pose.pose)
+    is_of_bbox = False
+    if _is_empty(q, p) and hasattr(detection, "bbox"):
+        box_q, box_p = pose_arrays(detection.bbox.center)
+        if not _is_empty(box_q, box_p):
+            q, p, is_of_bbox = box_q, box_p, True
+    return PoseSample(frame, str(class_id), q, p, score, is_of_bbox)
 
 
-def _says_something(pose: Any) -> bool:
-    """Tells if a decoded Pose isn't what an empty message has."""
-    q, p = pose_arrays(pose)
-    return bool(np.any(p != 0) or np.any(q[1:] != 0))
+def _is_empty(q: np.ndarray, p: np.ndarray) -> bool:
+    """Tells if a pose is what an empty message has: zero or identity."""
+    return not np.any(p) and not np.any(q[1:])
 
 
 def _part(header: Any, name: str, arrays: _Arrays) -> _Part:
