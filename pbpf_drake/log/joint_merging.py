@@ -169,8 +169,8 @@ def merge_joints(
     _add_the_rest(columns, plan, len(times), joint_names, notes)
     missing = [name for name in joint_names if name not in columns]
     if missing:
-        in_log = [plan.logged[name] for name in missing]
-        problem = missing_joints(in_log, tuple(found))
+        wanted = [plan.logged[name] for name in missing]
+        problem = missing_joints(wanted, tuple(found))
         raise LogError("; ".join([problem, *notes.Sentences()]))
     chosen = [columns[name] for name in joint_names]
     velocities = [v for _, v in chosen if v is not None]

@@ -14,7 +14,7 @@ from pbpf_drake.log.log_samples import RawStamped, SampleT
 
 # Smaller steps back are messages out of order (in nanoseconds).
 _MIN_STEP = 10**9
-# So many stamps before a jump are later than so many after it. A single stamp
+# So many stamps before a jump are all later than so many after it. One stamp
 # that is wrong is no jump.
 _WITNESSES = 3
 
@@ -91,7 +91,8 @@ def _jumps_back(stamps: np.ndarray) -> list[int]:
         return []
     windows = np.lib.stride_tricks.sliding_window_view(stamps, n)
     before, after = windows[:-n].min(axis=1), windows[n:].max(axis=1)
-    return (np.flatnonzero(before - after > _MIN_STEP) + n).tolist()
+    steps = stamps[n - 1 : -n] - stamps[n : len(stamps) - n + 1]
+    return (np.flatnonzero((before > after) & (steps > _MIN_STEP)) + n).tolist()
 
 
 def _step(stamps: np.ndarray, index: int) -> float:

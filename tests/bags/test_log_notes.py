@@ -39,3 +39,18 @@ def test_what_is_counted_on_a_topic_is_counted_with_all_the_rest():
         "/b: left out 1 message without a name",
         *expected,
     )
+
+
+def test_what_is_left_out_is_known_by_object_and_said_together():
+    notes = LogNotes()
+    dut = notes.On("/a", "detection")
+    for owner, count in (("box", 2), ("can", 1), ("", 1)):
+        for _ in range(count):
+            dut.Of(owner).CountLeftOut("without a name")
+    dut.Of("box").Count("turned", "upside down")
+    dut.Of("box").CountLeftOut("too late")
+    notes.On("/a", "message").Of("box").CountLeftOut("damaged")
+    assert dut.Of("box").LeftOut() == {"without a name": 2, "too late": 1}
+    assert dut.Of("can").LeftOut() == dut.LeftOut() == {"without a name": 1}
+    assert dut.Of("mug").LeftOut() == {}
+    assert "/a: left out 4 detections without a name" in notes.Sentences()
