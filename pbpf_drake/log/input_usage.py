@@ -90,3 +90,18 @@ def usage_warning(usage: InputUsage) -> str:
         f"{usage.source}: only {usage.used} of "
         f"{plural(usage.read, usage.noun)} of {usage.name!r} can be used"
     )
+
+
+def count_usage(
+    usage: list[InputUsage], notes: TopicNotes, *, read: int
+) -> None:
+    """Adds what was used of what ``notes`` counts, and warns if it is little.
+
+    Args:
+        usage: is added to.
+        notes: have counted what was left out.
+        read: how many there are.
+    """
+    usage.append(make_usage(notes, read=read))
+    if warning := usage_warning(usage[-1]):
+        notes.notes.Add(warning)

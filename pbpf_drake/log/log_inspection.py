@@ -13,7 +13,7 @@ from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.log.camera_images import image_topics
 from pbpf_drake.log.detection_ages import age_summary
 from pbpf_drake.log.input_usage import usage_lines
-from pbpf_drake.log.joint_merging import (
+from pbpf_drake.log.joint_plan import (
     make_joint_plan,
     missing_joints,
     unlogged_joints,

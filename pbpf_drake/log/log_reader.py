@@ -12,28 +12,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.bags.log_notes import TopicNotes
-from pbpf_drake.bags.ros2_messages import DETECTION_ARRAY, is_one_of
-from pbpf_drake.config.log_topics import is_frame
 from pbpf_drake.config.scene_config import Scene
-from pbpf_drake.log.detection_checks import detection_warnings
-from pbpf_drake.log.detection_cleaning import (
-    detections_by_object,
-    make_detection_records,
-)
-from pbpf_drake.log.input_usage import (
-    DETECTION,
-    InputUsage,
-    make_usage,
-    usage_warning,
-)
-from pbpf_drake.log.joint_merging import (
-    make_joint_plan,
-    make_joint_record,
-)
+from pbpf_drake.log.input_usage import InputUsage, count_usage
+from pbpf_drake.log.joint_merging import make_joint_record
+from pbpf_drake.log.joint_plan import make_joint_plan
 from pbpf_drake.log.log_frames import LogFrames
 from pbpf_drake.log.log_records import (
-    DetectionRecord,
     JointRecord,
     Log,
     PoseRecord,
@@ -41,7 +25,7 @@ from pbpf_drake.log.log_records import (
 from pbpf_drake.log.log_samples import PoseSample, RawStamped, Stamped
 from pbpf_drake.log.log_timeline import LogTimeline, find_timeline
 from pbpf_drake.log.pose_checks import is_usable_pose
-from pbpf_drake.log.sample_reader import LogSamples
+from pbpf_drake.log.scene_detections import detections_of_scene
 from pbpf_drake.log.scene_samples import ReadSceneSamples
 from pbpf_drake.log.tf_joints import tf_joint_samples
 from pbpf_drake.log.transform_tree import TransformTree, make_transform_tree
@@ -104,17 +88,25 @@ class _LogReader:
         self._plan = make_joint_plan(scene.topics, joint_names, facts.mimics)
         self._input = ReadSceneSamples(path, scene, self._plan)
         self._sources, self._notes = self._input.sources, self._input.notes
+        self._samples = self._input.samples
+        self._timeline = self._FindTimeline()
         self._usage: list[InputUsage] = []
 
     def Read(self) -> Log:
-        samples = self._input.samples
-        timeline = self._FindTimeline(samples)
-        tree = self._MakeTree(samples, timeline)
-        frames = self._MakeFrames(samples, timeline, tree)
-        record, start = self._Joints(samples, timeline, tree)
-        detections = self._Detections(samples, timeline, frames, start)
-        truth = self._GroundTruth(samples, timeline, frames, start)
-        self._CountUndecoded(samples)
+        tree = self._MakeTree()
+        frames = self._MakeFrames(tree)
+        record, start = self._Joints(tree)
+        detections = detections_of_scene(
+            self._input,
+            scene=self._scene,
+            timeline=self._timeline,
+            frames=frames,
+            facts=self._facts,
+            start=start,
+            usage=self._usage,
+        )
+        truth = self._GroundTruth(frames, start)
+        self._CountUndecoded()
         return Log(
             joints=record,
             detections=detections,
@@ -125,14 +117,16 @@ class _LogReader:
             usage=tuple(self._usage),
         )
 
-    def _FindTimeline(self, samples: LogSamples) -> LogTimeline:
+    def _FindTimeline(self) -> LogTimeline:
         # The messages that say where the joints are: they have little delay.
-        by_topic: Mapping[str, Sequence[RawStamped[object]]] = samples.joints
+        by_topic: Mapping[str, Sequence[RawStamped[object]]] = (
+            self._samples.joints
+        )
         if self._scene.topics.tf_joints:
-            by_topic = samples.poses
+            by_topic = self._samples.poses
         reference = max((by_topic[t] for t in self._sources.joints), key=len)
         if not reference:
-            raise LogError(self._NoJointStates(samples.types))
+            raise LogError(self._NoJointStates(self._samples.types))
         return find_timeline(reference, self._notes)
 
     def _NoJointStates(self, types: Mapping[str, str]) -> str:
@@ -146,9 +140,7 @@ class _LogReader:
             + "".join(f"; {s}" for s in self._notes.Sentences())
         )
 
-    def _Joints(
-        self, samples: LogSamples, timeline: LogTimeline, tree: TransformTree
-    ) -> tuple[JointRecord, int]:
+    def _Joints(self, tree: TransformTree) -> tuple[JointRecord, int]:
         topics = self._scene.topics
         if topics.tf_joints:
             names = [
@@ -163,9 +155,13 @@ class _LogReader:
             parts = []
             for topic in self._sources.joints:
                 notes = self._notes.On(topic, "message")
-                placed = timeline.Place(samples.joints[topic], notes)
+                placed = self._timeline.Place(
+                    self._samples.joints[topic], notes
+                )
                 parts.append((notes, placed))
-            read = [samples.counts[topic] for topic in self._sources.joints]
+            read = [
+                self._samples.counts[topic] for topic in self._sources.joints
+            ]
         result = make_joint_record(
             parts,
             plan=self._plan,
@@ -173,139 +169,57 @@ class _LogReader:
             notes=self._notes,
         )
         for (notes, _), count in zip(parts, read, strict=True):
-            self._AddUsage(notes, read=count)
+            count_usage(self._usage, notes, read=count)
         return result
 
-    def _MakeTree(
-        self, samples: LogSamples, timeline: LogTimeline
-    ) -> TransformTree:
+    def _MakeTree(self) -> TransformTree:
         topics = self._scene.topics
         # What tf says once for all times may have been sent long before.
-        static = samples.poses.get(topics.tf_static, [])
+        static = self._samples.poses.get(topics.tf_static, [])
         notes = self._notes.On(topics.tf_static, "transform")
         return make_transform_tree(
-            self._Transforms(samples, timeline, topics.tf),
+            self._Transforms(topics.tf),
             [m.value for m in static if is_usable_pose(m.value, notes)],
             notes=self._notes,
         )
 
-    def _MakeFrames(
-        self, samples: LogSamples, timeline: LogTimeline, tree: TransformTree
-    ) -> LogFrames:
+    def _MakeFrames(self, tree: TransformTree) -> LogFrames:
         topics = self._scene.topics
         return LogFrames(
             topics=topics,
             tree=tree,
-            base=self._Transforms(samples, timeline, topics.ground_truth_base),
+            base=self._Transforms(topics.ground_truth_base),
             camera=self._scene.camera.pose(),
             notes=self._notes,
         )
 
-    def _Transforms(
-        self, samples: LogSamples, timeline: LogTimeline, topic: str
-    ) -> list[Stamped[PoseSample]]:
+    def _Transforms(self, topic: str) -> list[Stamped[PoseSample]]:
         """Returns the poses of a topic that a tree can be made of."""
-        notes = self._notes.On(topic, "message")
-        placed = timeline.Place(samples.poses.get(topic, []), notes)
         notes = self._notes.On(topic, "transform")
+        placed = self._timeline.Place(self._samples.poses.get(topic, []), notes)
         return [m for m in placed if is_usable_pose(m.value, notes)]
 
-    def _Detections(
-        self,
-        samples: LogSamples,
-        timeline: LogTimeline,
-        frames: LogFrames,
-        start: int,
-    ) -> tuple[DetectionRecord, ...]:
-        found: list[DetectionRecord] = []
-        for source, name in self._sources.detections.items():
-            # An array names its objects, also on a topic for one of them.
-            names_them = is_one_of(
-                samples.types.get(source, ""), (DETECTION_ARRAY,)
-            )
-            notes = self._notes.On(source, DETECTION)
-            said = self._sources.Poses(samples.poses, source)
-            by_object = detections_by_object(
-                said,
-                name=None if names_them else name,
-                names_by_class=self._scene.object_by_class(),
-                notes=notes,
-            )
-            for owner, seen in by_object.items():
-                found += self._DetectionsOf(
-                    seen, timeline, frames, start, notes.Of(owner)
-                )
-            strangers = len(said) - sum(len(s) for s in by_object.values())
-            if strangers:
-                self._AddUsage(notes, read=strangers)
-        if not found:
-            self._SayThatThereIsNoDetection()
-        return tuple(sorted(found, key=lambda d: (d.received, d.time, d.name)))
-
-    def _DetectionsOf(
-        self,
-        seen: Sequence[RawStamped[PoseSample]],
-        timeline: LogTimeline,
-        frames: LogFrames,
-        start: int,
-        notes: TopicNotes,
-    ) -> list[DetectionRecord]:
-        """Returns the detections of one object."""
-        X_WC = frames.X_WC or self._scene.camera.pose()
-        p_WO = self._facts.nominal.get(notes.owner)
-        records = make_detection_records(
-            frames.InCamera(timeline.Place(seen, notes), notes),
-            name=notes.owner,
-            start=start,
-            expected=None if p_WO is None else X_WC.inverse() @ p_WO,
-            notes=notes,
-        )
-        self._AddUsage(notes, read=len(seen))
-        if ahead := timeline.AheadWarning(seen):
-            notes.Add(f"detections of {notes.owner!r}: {ahead}")
-        for sentence in detection_warnings(
-            records, scene=self._scene, X_WC=X_WC, boxes=self._facts.boxes
-        ):
-            notes.Add(sentence)
-        return records
-
-    def _SayThatThereIsNoDetection(self) -> None:
-        source = self._scene.topics.detections
-        kind = "in" if is_frame(source) else "on the topic"
-        self._notes.Add(
-            f"there are no detections of {self._scene.object_names()} {kind} "
-            f"{source}: estimates stay at the scene's nominal poses"
-        )
-
     def _GroundTruth(
-        self,
-        samples: LogSamples,
-        timeline: LogTimeline,
-        frames: LogFrames,
-        start: int,
+        self, frames: LogFrames, start: int
     ) -> dict[str, PoseRecord]:
         found = {}
         for name, source in self._sources.ground_truth.items():
             notes = self._notes.On(source, "message").Of(name)
-            said = self._sources.Truth(samples.poses, name)
-            placed = frames.InWorld(timeline.Place(said, notes), notes)
+            said = self._sources.Truth(self._samples.poses, name)
+            placed = frames.InWorld(self._timeline.Place(said, notes), notes)
             record = make_pose_record(placed, start=start, notes=notes)
             if said:
-                self._AddUsage(notes, read=len(said))
+                count_usage(self._usage, notes, read=len(said))
             if record:
                 found[name] = record
         return found
 
-    def _CountUndecoded(self, samples: LogSamples) -> None:
+    def _CountUndecoded(self) -> None:
         """Counts the messages that can't be decoded, so are of no object."""
-        for topic in samples.poses:
+        for topic in self._samples.poses:
             notes = self._notes.On(topic, "message")
             damaged = sum(notes.LeftOut().values())
             if damaged and topic not in self._sources.joints:
-                self._AddUsage(notes, read=samples.counts[topic])
-
-    def _AddUsage(self, notes: TopicNotes, *, read: int) -> None:
-        usage = make_usage(notes, read=read)
-        self._usage.append(usage)
-        if warning := usage_warning(usage):
-            self._notes.Add(warning)
+                count_usage(
+                    self._usage, notes, read=self._samples.counts[topic]
+                )

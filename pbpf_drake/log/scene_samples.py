@@ -6,7 +6,7 @@ from pathlib import Path
 from pbpf_drake.bags.log_notes import LogNotes
 from pbpf_drake.bags.ros2_messages import is_one_of
 from pbpf_drake.config.scene_config import Scene
-from pbpf_drake.log.joint_merging import JointPlan, unlogged_joints
+from pbpf_drake.log.joint_plan import JointPlan, unlogged_joints
 from pbpf_drake.log.joint_topics import joint_topics
 from pbpf_drake.log.log_sources import LogSources
 from pbpf_drake.log.sample_extraction import JOINT_TYPES

@@ -1,5 +1,7 @@
 """What --inspect says of a log."""
 
+from functools import partial
+
 from authors_fixtures import transform
 from bag_fixtures import our_entries, write_mcap, write_ros1, write_ros2
 from filter_fixtures import SCENES
@@ -159,8 +161,12 @@ def test_recorded_logs_are_inspected():
 @pytest.mark.parametrize(
     ("write", "expected"),
     [
-        # Its chunks are not compressed.
-        (write_ros1, "A ROS 1 bag of this form has no checksums"),
+        (write_ros2, "A ROS 2 recording of this form has no checksums"),
+        (
+            partial(write_ros1, compression="none"),
+            "A ROS 1 bag of this form has no checksums",
+        ),
+        (write_ros1, ""),
         (write_mcap, ""),
     ],
 )
