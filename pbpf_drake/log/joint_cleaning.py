@@ -89,7 +89,10 @@ def _say_which(
     not_finite: Mapping[str, int], others: set[str], notes: TopicNotes
 ) -> None:
     for name, count in not_finite.items():
-        notes.Add(f"the joint {name!r} is not finite {count} times")
+        notes.Add(
+            f"the joint {name!r} is not finite {plural(count, 'time')}; if "
+            "nobody measures it, give it a position in topics.fixed_joints"
+        )
     if others:
         notes.Add(
             f"ignored the joints {sorted(others)}, which are not the robot's"
