@@ -59,17 +59,16 @@ class LogNotes:
         """Adds a sentence that needs no counting."""
         self._sentences.append(sentence)
 
-    def Sentences(self, topic: str | None = None) -> tuple[str, ...]:
-        """Returns all sentences, or those that count things on one topic."""
+    def Sentences(self) -> tuple[str, ...]:
+        """Returns all sentences."""
         counts: Counter[tuple[str, str, str, str]] = Counter()
         for k, count in self._counts.items():
-            if topic in (None, k.topic):
-                counts[k.topic, k.verb, k.noun, k.reason] += count
+            counts[k.topic, k.verb, k.noun, k.reason] += count
         counted = [
-            f"{where}: {verb} {plural(count, noun)} {reason}"
-            for (where, verb, noun, reason), count in counts.items()
+            f"{topic}: {verb} {plural(count, noun)} {reason}"
+            for (topic, verb, noun, reason), count in counts.items()
         ]
-        return tuple(([] if topic else self._sentences) + counted)
+        return tuple(self._sentences + counted)
 
     def LeftOut(self, topic: str, noun: str, owner: str) -> dict[str, int]:
         """Returns by reason how many things of one kind were left out."""
@@ -116,7 +115,3 @@ class TopicNotes:
     def Add(self, sentence: str) -> None:
         """Adds a sentence on the topic that needs no counting."""
         self.notes.Add(f"{self.topic}: {sentence}")
-
-    def Sentences(self) -> tuple[str, ...]:
-        """Returns the sentences that count things on the topic."""
-        return self.notes.Sentences(self.topic)

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+import math
 
 import numpy as np
 
@@ -49,9 +50,14 @@ def joint_motions(
     by_joints: dict[tuple[str, ...], list[Stamped[JointSample]]] = {}
     not_finite: Counter[str] = Counter()
     others: set[str] = set()
+    # Most messages have the same names.
+    wanted_of: dict[tuple[str, ...], tuple[str, ...]] = {}
     for message in messages:
         sample = message.value
-        names = tuple(n for n in wanted if n in sample.names)
+        if sample.names not in wanted_of:
+            has = set(sample.names)
+            wanted_of[sample.names] = tuple(n for n in wanted if n in has)
+        names = wanted_of[sample.names]
         reason = _problem(sample, names, wanted)
         if not reason:
             bad = _not_finite(sample, names)
@@ -82,7 +88,9 @@ def _problem(
 
 def _not_finite(sample: JointSample, names: Sequence[str]) -> list[str]:
     values = _pick(sample, sample.positions, names)
-    return [n for n, v in zip(names, values, strict=True) if not np.isfinite(v)]
+    return [
+        n for n, v in zip(names, values, strict=True) if not math.isfinite(v)
+    ]
 
 
 def _say_which(
@@ -95,7 +103,8 @@ def _say_which(
         )
     if others:
         notes.Add(
-            f"ignored the joints {sorted(others)}, which are not the robot's"
+            f"ignored the joints {sorted(others)}, which are not the robot's "
+            "or are fixed by the scene"
         )
 
 

@@ -102,8 +102,17 @@ def merge_joints(
     missing = [name for name in joint_names if name not in columns]
     if missing:
         wanted = [plan.logged[name] for name in missing]
-        problem = missing_joints(wanted, tuple(found))
-        raise LogError("; ".join([problem, *notes.Sentences()]))
+        absent = [name for name in wanted if name not in found]
+        if absent:
+            raise LogError(missing_joints(absent, tuple(found)))
+        raise LogError(
+            "; ".join(
+                [
+                    f"no message that can be used has the joints {wanted}",
+                    *notes.Sentences(),
+                ]
+            )
+        )
     chosen = [columns[name] for name in joint_names]
     velocities = [v for _, v in chosen if v is not None]
     record = JointRecord(

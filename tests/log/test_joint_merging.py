@@ -206,3 +206,16 @@ def test_the_start_is_the_first_sample_of_any_joint(faulty):
     log = faulty.read()
     assert log.start_time == T0 + round(0.3 * SECOND)
     assert log.joints.times.tolist() == [0.0, 0.2]
+
+
+def test_a_gripper_that_is_never_finite_is_named_with_the_remedy(faulty):
+    faulty.joints(0.0, names=("a",), positions=(0.0,))
+    faulty.joints(0.0, names=("b",), positions=(float("nan"),))
+    with pytest.raises(LogError) as error:
+        faulty.read()
+    for part in (
+        "no message that can be used has the joints ['b']",
+        "the joint 'b' is not finite 1 time; if nobody measures it",
+        "topics.fixed_joints",
+    ):
+        assert part in str(error.value)
