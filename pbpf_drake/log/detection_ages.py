@@ -6,7 +6,7 @@ import numpy as np
 _MAX_SHARE = 0.1
 # Stamps that are later than the recording by more are of a clock that is ahead
 # (in seconds).
-_MAX_AHEAD = 0.01
+_MAX_AHEAD = 0.05
 
 
 def age_summary(ages: np.ndarray) -> str:

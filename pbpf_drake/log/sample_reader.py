@@ -72,17 +72,11 @@ def ReadSamples(
     return samples
 
 
-def joint_names_of(samples: LogSamples, topic: str | None = None) -> set[str]:
-    """Returns the names of the joints on one topic, or on all.
-
-    Args:
-        samples: of a log.
-        topic: None means all.
-    """
+def joint_names_of(samples: LogSamples) -> set[str]:
+    """Returns the names of all joints in some samples."""
     return {
         name
-        for where, on_topic in samples.joints.items()
-        if topic in (None, where)
+        for on_topic in samples.joints.values()
         for sample in on_topic
         for name in sample.value.names
     }

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import LogNotes
 from pbpf_drake.bags.ros2_messages import is_one_of
 from pbpf_drake.config.scene_config import Scene
@@ -69,13 +70,21 @@ def _MoreJointTopics(
     """Returns the topics with joints that the scene's topics lack."""
     there = joint_names_of(samples)
     missing = unlogged_joints(plan, there)
-    others = {
-        topic: JOINT_TYPES
+    others = [
+        topic
         for topic, kind in samples.types.items()
         if topic not in sources.types and is_one_of(kind, JOINT_TYPES)
-    }
+    ]
     # Without any joint states it is another log, or the topic's name is wrong.
     if not there or not missing or not others:
         return {}
-    more = ReadSamples(path, others, LogNotes())
-    return joint_topics(missing, {t: joint_names_of(more, t) for t in others})
+    return joint_topics(missing, {t: _JointNames(path, t) for t in others})
+
+
+def _JointNames(path: Path, topic: str) -> set[str]:
+    """Returns the joints on a topic that the scene doesn't name."""
+    try:
+        found = ReadSamples(path, {topic: JOINT_TYPES}, LogNotes())
+    except LogError:  # It is no topic that could help.
+        return set()
+    return joint_names_of(found)
