@@ -58,8 +58,13 @@ def _track(
 ) -> dict[str, Any]:
     """Returns the report of one run; this is what a process does."""
     scene = LoadScene(scene_file)
-    joint_names = MakePredictionModel(scene).joint_names
-    log = ReadLog(filename=log_file, scene=scene, joint_names=joint_names)
+    model = MakePredictionModel(scene)
+    log = ReadLog(
+        filename=log_file,
+        scene=scene,
+        joint_names=model.joint_names,
+        facts=model.facts,
+    )
     config = replace(DefaultConfig(scene, method), seed=seed, parallelism=1)
     record = Track(scene=scene, log=log, method=method, config=config)
     return MakeReport([record], log.ground_truth)["runs"][0]

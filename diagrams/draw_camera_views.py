@@ -105,8 +105,13 @@ def _draw_view(
 def run(args: argparse.Namespace) -> None:
     """Tracks the log and draws the picture; see _parse for the arguments."""
     scene = LoadScene(args.scene)
-    joint_names = MakePredictionModel(scene).joint_names
-    log = ReadLog(filename=args.log, scene=scene, joint_names=joint_names)
+    model = MakePredictionModel(scene)
+    log = ReadLog(
+        filename=args.log,
+        scene=scene,
+        joint_names=model.joint_names,
+        facts=model.facts,
+    )
     scene = SceneOfLog(scene, log)
     records = [
         Track(scene=scene, log=log, method=method)

@@ -132,15 +132,22 @@ def run(args: argparse.Namespace) -> None:
     """
     scene = LoadScene(args.scene)
     model = MakePredictionModel(scene)
-    joint_names = model.joint_names
     if args.inspect:
         text = InspectLog(
-            filename=args.inspect, scene=scene, joint_names=joint_names
+            filename=args.inspect,
+            scene=scene,
+            joint_names=model.joint_names,
+            facts=model.facts,
         )
         print(text)
         return
     config = _config(args, scene)
-    log = ReadLog(filename=args.log, scene=scene, joint_names=joint_names)
+    log = ReadLog(
+        filename=args.log,
+        scene=scene,
+        joint_names=model.joint_names,
+        facts=model.facts,
+    )
     if NumSteps(log, config) < 1:
         raise ValueError(
             f"{args.log} is {log.duration:.3g} s long; expected at least one "

@@ -1,7 +1,7 @@
 """Counts what was left out of a log, and says it in sentences."""
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 def plural(count: int, noun: str) -> str:
@@ -9,12 +9,27 @@ def plural(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
+# What is left out is counted with this verb.
+_LEFT_OUT = "left out"
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """What is counted together; see LogNotes.Count."""
+
+    topic: str
+    verb: str
+    noun: str
+    reason: str
+    owner: str
+
+
 class LogNotes:
     """Counts by topic what was left out or changed, and why."""
 
     def __init__(self) -> None:
         """Starts without notes."""
-        self._counts: Counter[tuple[str, str, str, str]] = Counter()
+        self._counts: Counter[_Kind] = Counter()
         self._sentences: list[str] = []
 
     def On(self, topic: str, noun: str) -> "TopicNotes":
@@ -26,7 +41,9 @@ class LogNotes:
         """
         return TopicNotes(self, topic, noun)
 
-    def Count(self, topic: str, verb: str, noun: str, reason: str) -> None:
+    def Count(
+        self, topic: str, verb: str, noun: str, reason: str, owner: str = ""
+    ) -> None:
         """Counts one more ``noun`` of this kind.
 
         Args:
@@ -34,21 +51,33 @@ class LogNotes:
             verb: what was done with it, such as "left out".
             noun: what it is, such as "message".
             reason: why, as a clause: "whose position is not finite".
+            owner: the object that it is of; sentences don't tell them apart.
         """
-        self._counts[topic, verb, noun, reason] += 1
+        self._counts[_Kind(topic, verb, noun, reason, owner)] += 1
 
     def Add(self, sentence: str) -> None:
         """Adds a sentence that needs no counting."""
         self._sentences.append(sentence)
 
-    def Sentences(self, topic: str | None = None) -> tuple[str, ...]:
-        """Returns all sentences, or those that count things on one topic."""
+    def Sentences(self) -> tuple[str, ...]:
+        """Returns all sentences."""
+        counts: Counter[tuple[str, str, str, str]] = Counter()
+        for k, count in self._counts.items():
+            counts[k.topic, k.verb, k.noun, k.reason] += count
         counted = [
-            f"{where}: {verb} {plural(count, noun)} {reason}"
-            for (where, verb, noun, reason), count in self._counts.items()
-            if topic in (None, where)
+            f"{topic}: {verb} {plural(count, noun)} {reason}"
+            for (topic, verb, noun, reason), count in counts.items()
         ]
-        return tuple(([] if topic else self._sentences) + counted)
+        return tuple(self._sentences + counted)
+
+    def LeftOut(self, topic: str, noun: str, owner: str) -> dict[str, int]:
+        """Returns by reason how many things of one kind were left out."""
+        return {
+            k.reason: count
+            for k, count in self._counts.items()
+            if (k.topic, k.verb, k.noun, k.owner)
+            == (topic, _LEFT_OUT, noun, owner)
+        }
 
 
 @dataclass(frozen=True)
@@ -59,24 +88,30 @@ class TopicNotes:
         notes: where the counts are kept.
         topic: where the things are.
         noun: what one of them is, such as "detection".
+        owner: the object that they are of; empty where that isn't known.
     """
 
     notes: LogNotes
     topic: str
     noun: str
+    owner: str = ""
+
+    def Of(self, owner: str) -> "TopicNotes":
+        """Returns what counts only the things of one object."""
+        return replace(self, owner=owner)
 
     def CountLeftOut(self, reason: str) -> None:
         """Counts one more that is left out; see LogNotes.Count."""
-        self.Count("left out", reason)
+        self.Count(_LEFT_OUT, reason)
 
     def Count(self, verb: str, reason: str) -> None:
         """Counts one more with which something was done."""
-        self.notes.Count(self.topic, verb, self.noun, reason)
+        self.notes.Count(self.topic, verb, self.noun, reason, self.owner)
+
+    def LeftOut(self) -> dict[str, int]:
+        """Returns by reason how many were left out."""
+        return self.notes.LeftOut(self.topic, self.noun, self.owner)
 
     def Add(self, sentence: str) -> None:
         """Adds a sentence on the topic that needs no counting."""
         self.notes.Add(f"{self.topic}: {sentence}")
-
-    def Sentences(self) -> tuple[str, ...]:
-        """Returns the sentences that count things on the topic."""
-        return self.notes.Sentences(self.topic)

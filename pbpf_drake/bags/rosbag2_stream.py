@@ -71,6 +71,7 @@ class Rosbag2Stream(LogStream):
             self.types.update(stream.types)
             self.checksums &= stream.checksums
             self.damage += [f"{file.name}: {said}" for said in stream.damage]
+            self.checksums &= stream.checksums
         if len(errors) == len(files):
             raise LogError("; ".join(errors))
         self.damage += errors

@@ -5,6 +5,7 @@ The types of the messages are read from the log itself.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+import math
 
 import numpy as np
 from pydrake.common.schema import Transform
@@ -29,9 +30,16 @@ class LogTopics:
     preset: str = "pbpf"
     # sensor_msgs/JointState.
     joint_states: str = "/joint_states"
+    # Other topics of the same type with more joints of the robot, such as a
+    # gripper's. Each topic may have its own rate.
+    more_joint_states: list[str] = field(default_factory=list)
     # Names of joints in the log, by names of joints in the robot's model,
     # where they differ.
     joint_names: dict[str, str] = field(default_factory=dict)
+    # Positions of joints that nobody measures, by names of joints in the
+    # robot's model (in radians or meters). What the log says of them isn't
+    # used.
+    fixed_joints: dict[str, float] = field(default_factory=dict)
     # For a robot whose joints are coordinates of tf frames in the world: frame
     # and axis, as in "link_tip.x", by names of joints in the robot's model.
     # Then joint states aren't read.
@@ -61,6 +69,11 @@ class LogTopics:
     tf: str = "/tf"
     tf_static: str = "/tf_static"
 
+    def joint_topics(self) -> tuple[str, ...]:
+        """Returns all topics of joint states, each once."""
+        topics = (self.joint_states, *self.more_joint_states)
+        return tuple(dict.fromkeys(topics))
+
     def ReferencePose(self) -> RigidTransform:
         """Returns X_WR."""
         return self.X_WR.GetDeterministicValue()
@@ -71,12 +84,7 @@ class LogTopics:
         require(known, "preset", self.preset, f"one of {list(PRESETS)}")
         for name in ("joint_states", "detections", "ground_truth", "images"):
             _check_source(name, getattr(self, name))
-        require(
-            not is_frame(self.joint_states),
-            "joint_states",
-            self.joint_states,
-            "a topic; joints that are in tf are named by tf_joints",
-        )
+        self._CheckJoints()
         require(not is_frame(self.images), "images", self.images, "a topic")
         if not self.reference_frame:
             self._CheckNothingIsInTf()
@@ -88,6 +96,24 @@ class LogTopics:
                 f"tf_joints.{joint}",
                 coordinate,
                 "a frame and an axis, as in 'link_tip.x'",
+            )
+
+    def _CheckJoints(self) -> None:
+        for topic in self.joint_topics():
+            require(
+                bool(topic) and not is_frame(topic),
+                "joint_states"
+                if topic == self.joint_states
+                else "more_joint_states",
+                topic,
+                "a topic; joints that are in tf are named by tf_joints",
+            )
+        for joint, value in self.fixed_joints.items():
+            require(
+                math.isfinite(value),
+                f"fixed_joints.{joint}",
+                value,
+                "a finite position",
             )
 
     def _CheckNothingIsInTf(self) -> None:

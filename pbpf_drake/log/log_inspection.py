@@ -3,12 +3,22 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import plural
 from pbpf_drake.bags.ros2_messages import COMPRESSED_IMAGE, IMAGE, is_one_of
 from pbpf_drake.config.log_topics import frame_name, is_frame
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.log.camera_images import image_topics
+from pbpf_drake.log.detection_ages import age_summary
+from pbpf_drake.log.input_usage import usage_lines
+from pbpf_drake.log.joint_plan import (
+    make_joint_plan,
+    missing_joints,
+    unlogged_joints,
+)
+from pbpf_drake.log.joint_topics import joint_topics
 from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.log.log_records import Log
 from pbpf_drake.log.log_sources import LogSources
@@ -18,10 +28,15 @@ from pbpf_drake.log.sample_extraction import (
     JOINT_TYPES,
     TRUTH_TYPES,
 )
+from pbpf_drake.model_facts import ModelFacts
 
 
 def InspectLog(
-    *, filename: str | Path, scene: Scene, joint_names: Sequence[str]
+    *,
+    filename: str | Path,
+    scene: Scene,
+    joint_names: Sequence[str],
+    facts: ModelFacts | None = None,
 ) -> str:
     """Returns a text on what is in a log, and how a scene can track it.
 
@@ -29,6 +44,7 @@ def InspectLog(
         filename: see ReadLog.
         scene: see ReadLog.
         joint_names: see ReadLog.
+        facts: see ReadLog.
 
     Raises:
         LogError: the file is no log.
@@ -40,7 +56,9 @@ def InspectLog(
         raise LogError(f"Log {path}: {error}") from error
     log: Log | LogError
     try:
-        log = ReadLog(filename=path, scene=scene, joint_names=joint_names)
+        log = ReadLog(
+            filename=path, scene=scene, joint_names=joint_names, facts=facts
+        )
     except LogError as error:
         log = error
     lines = [
@@ -48,12 +66,15 @@ def InspectLog(
         *_frames(survey),
         "",
         f"Of this the scene {scene.path} uses:",
-        *_joints(survey, scene, joint_names),
+        *_joints(survey, scene, joint_names, facts or ModelFacts()),
         *_poses(survey, scene, "detections", DETECTION_TYPES),
+        *_detection_frames(survey, scene),
         *_poses(survey, scene, "ground_truth", TRUTH_TYPES),
         *_camera(log),
         *_images(survey, scene.topics.images),
         "",
+        *_usage(log),
+        *_checksums(survey),
         *_verdict(survey, log),
     ]
     return "\n".join(lines)
@@ -106,7 +127,10 @@ def _frames(survey: LogSurvey) -> list[str]:
 
 
 def _joints(
-    survey: LogSurvey, scene: Scene, joint_names: Sequence[str]
+    survey: LogSurvey,
+    scene: Scene,
+    joint_names: Sequence[str],
+    facts: ModelFacts,
 ) -> list[str]:
     topics = scene.topics
     if topics.tf_joints:
@@ -120,21 +144,32 @@ def _joints(
             )
             for joint, coordinate in topics.tf_joints.items()
         ]
-    source = topics.joint_states
-    found = survey.joints.get(source)
-    if found is None:
-        return [
-            _line("joint states", source, False, _named(survey, JOINT_TYPES))
-        ]
-    in_log = [topics.joint_names.get(name, name) for name in joint_names]
-    missing = [name for name in in_log if name not in found]
-    line = _line("joint states", source, True, [])
-    if missing:
-        line += (
-            f", but without the joints {missing}; it has {sorted(found)}: see "
-            "topics.joint_names"
+    lines = []
+    found: set[str] = set()
+    for source in topics.joint_topics():
+        there = source in survey.joints
+        found |= survey.joints.get(source, set())
+        others = [t for t in _named(survey, JOINT_TYPES) if t != source]
+        lines.append(_line("joint states", source, there, others))
+    try:
+        plan = make_joint_plan(topics, joint_names, facts.mimics)
+        elsewhere = joint_topics(
+            unlogged_joints(plan, found),
+            {
+                topic: names
+                for topic, names in survey.joints.items()
+                if found and topic not in topics.joint_topics()
+            },
         )
-    return [line]
+    except LogError:  # The verdict says it.
+        return lines
+    for topic, names in elsewhere.items():
+        lines.append(f"  joints {names}: {topic}")
+        found |= set(names)
+    missing = unlogged_joints(plan, found)
+    if found and missing:
+        lines[-1] += f"; {missing_joints(missing, sorted(found))}"
+    return lines
 
 
 def _poses(
@@ -157,6 +192,16 @@ def _poses(
             others = _named(survey, types)
         lines.append(_line(role.replace("_", " "), source, there, others))
     return lines
+
+
+def _detection_frames(survey: LogSurvey, scene: Scene) -> list[str]:
+    """Returns a line for each source on the frames of its detections."""
+    return [
+        f"  frames of {source}: "
+        + ", ".join(repr(frame) for frame in sorted(frames))
+        for source in LogSources(scene).detections
+        if (frames := survey.detection_frames.get(source))
+    ]
 
 
 def _line(role: str, source: str, there: bool, others: Sequence[str]) -> str:
@@ -189,6 +234,30 @@ def _images(survey: LogSurvey, topic: str) -> list[str]:
     if not there:
         return []
     return [_line("images", used[0] if used else topic, bool(used), there)]
+
+
+def _usage(log: Log | LogError) -> list[str]:
+    """Returns what of the input was used, and how old detections are."""
+    if isinstance(log, LogError):
+        return []
+    lines = [f"  {line}" for line in usage_lines(log.usage)]
+    for name in sorted({d.name for d in log.detections}):
+        ages = [d.received - d.time for d in log.detections if d.name == name]
+        lines.append(
+            f"  detections of {name!r} are {age_summary(np.array(ages))}"
+        )
+    return ["What of it can be used:", *lines, ""]
+
+
+def _checksums(survey: LogSurvey) -> list[str]:
+    if survey.checksums:
+        return []
+    return [
+        f"{survey.kind[0].upper()}{survey.kind[1:]} of this form has no "
+        "checksums, or not for everything: a number that is damaged can't be "
+        "told from a good one.",
+        "",
+    ]
 
 
 def _verdict(survey: LogSurvey, log: Log | LogError) -> list[str]:

@@ -12,35 +12,33 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
-from pbpf_drake.bags.log_notes import LogNotes
-from pbpf_drake.bags.ros2_messages import DETECTION_ARRAY, is_one_of
-from pbpf_drake.config.log_topics import is_frame
 from pbpf_drake.config.scene_config import Scene
-from pbpf_drake.log.detection_cleaning import make_detection_records
-from pbpf_drake.log.joint_cleaning import make_joint_record
-from pbpf_drake.log.log_clock import find_clock
+from pbpf_drake.log.input_usage import InputUsage, count_usage
+from pbpf_drake.log.joint_merging import make_joint_record
+from pbpf_drake.log.joint_plan import make_joint_plan
 from pbpf_drake.log.log_frames import LogFrames
-from pbpf_drake.log.log_records import DetectionRecord, Log, PoseRecord
-from pbpf_drake.log.log_samples import (
-    JointSample,
-    PoseSample,
-    RawStamped,
-    Stamped,
+from pbpf_drake.log.log_records import (
+    JointRecord,
+    Log,
+    PoseRecord,
 )
-from pbpf_drake.log.log_sources import LogSources
+from pbpf_drake.log.log_samples import PoseSample, RawStamped, Stamped
+from pbpf_drake.log.log_timeline import LogTimeline, find_timeline
 from pbpf_drake.log.pose_checks import is_usable_pose
-from pbpf_drake.log.sample_reader import LogSamples, ReadSamples
+from pbpf_drake.log.scene_detections import detections_of_scene
+from pbpf_drake.log.scene_samples import ReadSceneSamples
 from pbpf_drake.log.tf_joints import tf_joint_samples
 from pbpf_drake.log.transform_tree import TransformTree, make_transform_tree
 from pbpf_drake.log.truth_cleaning import make_pose_record
-
-_Joints = list[Stamped[JointSample]]
-# By topic, what its messages say.
-_Poses = Mapping[str, list[Stamped[PoseSample]]]
+from pbpf_drake.model_facts import ModelFacts
 
 
 def ReadLog(
-    *, filename: str | Path, scene: Scene, joint_names: Sequence[str]
+    *,
+    filename: str | Path,
+    scene: Scene,
+    joint_names: Sequence[str],
+    facts: ModelFacts | None = None,
 ) -> Log:
     """Reads what the filter needs of one recorded manipulation.
 
@@ -53,18 +51,23 @@ def ReadLog(
         scene: names topics, frames, the joints in the log and the objects.
         joint_names: the robot's joints in the model's order, which becomes
             the order of the log's columns.
+        facts: what is known of the scene's models, as a PredictionModel has
+            it. Without it, joints that follow others must be in the log, and
+            detections aren't compared with where things are.
 
     Returns:
         The log. Its ``warnings`` say what was left out. A log without
-        detections is one of them.
+        detections is one of them. Its ``usage`` counts what was used.
 
     Raises:
         LogError: there is no such file, it isn't a log, a topic has messages
-            of another type, or no joint state can be used.
+            of another type, no joint state can be used, or a joint is in no
+            message, follows no other and isn't fixed by the scene.
     """
     path = Path(filename).expanduser()
     try:
-        return _LogReader(scene, joint_names).Read(path)
+        reader = _LogReader(path, scene, joint_names, facts or ModelFacts())
+        return reader.Read()
     except LogError as error:
         raise LogError(f"Log {path}: {error}") from error
 
@@ -72,29 +75,38 @@ def ReadLog(
 class _LogReader:
     """Everything that is known while one file is read."""
 
-    def __init__(self, scene: Scene, joint_names: Sequence[str]):
+    def __init__(
+        self,
+        path: Path,
+        scene: Scene,
+        joint_names: Sequence[str],
+        facts: ModelFacts,
+    ):
         self._scene = scene
-        self._joint_names = _joints_in_log(scene, joint_names)
-        self._sources = LogSources(scene)
-        self._notes = LogNotes()
+        self._joint_names = list(joint_names)
+        self._facts = facts
+        self._plan = make_joint_plan(scene.topics, joint_names, facts.mimics)
+        self._input = ReadSceneSamples(path, scene, self._plan)
+        self._sources, self._notes = self._input.sources, self._input.notes
+        self._samples = self._input.samples
+        self._timeline = self._FindTimeline()
+        self._usage: list[InputUsage] = []
 
-    def Read(self, path: Path) -> Log:
-        samples = ReadSamples(path, self._sources.types, self._notes)
-        joints, poses = self._PlaceInTime(samples)
-        # What tf says once for all times may have been sent long before.
-        static = samples.poses.get(self._scene.topics.tf_static, [])
-        tree = self._MakeTree(poses, static)
-        frames = self._MakeFrames(poses, tree)
-        if self._scene.topics.tf_joints:
-            names = list(self._joint_names)
-            joints = tf_joint_samples(tree, self._scene.topics, names)
-        record, start = make_joint_record(
-            joints,
-            names=self._joint_names,
-            notes=self._notes.On(self._sources.joints, "message"),
+    def Read(self) -> Log:
+        tree = self._MakeTree()
+        frames = self._MakeFrames(tree)
+        record, start = self._Joints(tree)
+        detections = detections_of_scene(
+            self._input,
+            scene=self._scene,
+            timeline=self._timeline,
+            frames=frames,
+            facts=self._facts,
+            start=start,
+            usage=self._usage,
         )
-        detections = self._Detections(poses, samples.types, frames, start)
-        truth = self._GroundTruth(poses, frames, start)
+        truth = self._GroundTruth(frames, start)
+        self._CountUndecoded()
         return Log(
             joints=record,
             detections=detections,
@@ -102,117 +114,112 @@ class _LogReader:
             start_time=start,
             warnings=self._notes.Sentences(),
             X_WC=frames.X_WC,
+            usage=tuple(self._usage),
         )
 
-    def _PlaceInTime(self, samples: LogSamples) -> tuple[_Joints, _Poses]:
-        source, topics = self._sources.joints, self._scene.topics
+    def _FindTimeline(self) -> LogTimeline:
         # The messages that say where the joints are: they have little delay.
-        reference: Sequence[RawStamped[object]] = samples.joints
-        if topics.tf_joints:
-            reference = samples.poses[source]
+        by_topic: Mapping[str, Sequence[RawStamped[object]]] = (
+            self._samples.joints
+        )
+        if self._scene.topics.tf_joints:
+            by_topic = self._samples.poses
+        reference = max((by_topic[t] for t in self._sources.joints), key=len)
         if not reference:
-            raise LogError(self._NoJointStates(samples.types))
-        clock = find_clock(reference, self._notes)
-        notes = self._notes.On(source, "message")
-        joints = clock.Place(samples.joints, notes)
-        poses = {
-            topic: clock.Place(said, self._notes.On(topic, "message"))
-            for topic, said in samples.poses.items()
-            if topic != topics.tf_static
-        }
-        return joints, poses
+            raise LogError(self._NoJointStates(self._samples.types))
+        return find_timeline(reference, self._notes)
 
     def _NoJointStates(self, types: Mapping[str, str]) -> str:
         there = ", ".join(f"{t} ({types[t]})" for t in sorted(types))
-        topic = self._sources.joints
-        expected = " or ".join(self._sources.types[topic])
+        sources = self._sources
+        expected = " or ".join(sources.types[sources.joints[0]])
         return (
             f"there are no joint states; expected {expected} on the topic "
-            f"{topic}; the topics are: {there or 'none'}"
+            f"{' or '.join(sources.joints)}; the topics are: "
+            f"{there or 'none'}"
             + "".join(f"; {s}" for s in self._notes.Sentences())
         )
 
-    def _MakeTree(
-        self, poses: _Poses, static: Sequence[RawStamped[PoseSample]]
-    ) -> TransformTree:
+    def _Joints(self, tree: TransformTree) -> tuple[JointRecord, int]:
         topics = self._scene.topics
+        if topics.tf_joints:
+            names = [
+                name
+                for name in self._plan.logged
+                if name in topics.tf_joints or name not in self._plan.mimics
+            ]
+            placed = tf_joint_samples(tree, topics, names)
+            parts = [(self._notes.On(topics.tf, "joint sample"), placed)]
+            read = [len(placed)]
+        else:
+            parts = []
+            for topic in self._sources.joints:
+                notes = self._notes.On(topic, "message")
+                placed = self._timeline.Place(
+                    self._samples.joints[topic], notes
+                )
+                parts.append((notes, placed))
+            read = [
+                self._samples.counts[topic] for topic in self._sources.joints
+            ]
+        result = make_joint_record(
+            parts,
+            plan=self._plan,
+            joint_names=self._joint_names,
+            notes=self._notes,
+        )
+        for (notes, _), count in zip(parts, read, strict=True):
+            count_usage(self._usage, notes, read=count)
+        return result
+
+    def _MakeTree(self) -> TransformTree:
+        topics = self._scene.topics
+        # What tf says once for all times may have been sent long before.
+        static = self._samples.poses.get(topics.tf_static, [])
         notes = self._notes.On(topics.tf_static, "transform")
         return make_transform_tree(
-            self._Transforms(poses, topics.tf),
+            self._Transforms(topics.tf),
             [m.value for m in static if is_usable_pose(m.value, notes)],
             notes=self._notes,
         )
 
-    def _MakeFrames(self, poses: _Poses, tree: TransformTree) -> LogFrames:
+    def _MakeFrames(self, tree: TransformTree) -> LogFrames:
         topics = self._scene.topics
         return LogFrames(
             topics=topics,
             tree=tree,
-            base=self._Transforms(poses, topics.ground_truth_base),
+            base=self._Transforms(topics.ground_truth_base),
             camera=self._scene.camera.pose(),
             notes=self._notes,
         )
 
-    def _Transforms(
-        self, poses: _Poses, topic: str
-    ) -> list[Stamped[PoseSample]]:
+    def _Transforms(self, topic: str) -> list[Stamped[PoseSample]]:
         """Returns the poses of a topic that a tree can be made of."""
         notes = self._notes.On(topic, "transform")
-        said = poses.get(topic, [])
-        return [m for m in said if is_usable_pose(m.value, notes)]
-
-    def _Detections(
-        self,
-        poses: _Poses,
-        types: Mapping[str, str],
-        frames: LogFrames,
-        start: int,
-    ) -> tuple[DetectionRecord, ...]:
-        topics = self._scene.topics
-        found: list[DetectionRecord] = []
-        for source, name in self._sources.detections.items():
-            # An array names its objects, also on a topic for one of them.
-            names_them = is_one_of(types.get(source, ""), (DETECTION_ARRAY,))
-            notes = self._notes.On(source, "detection")
-            seen = self._sources.Poses(poses, source)
-            found += make_detection_records(
-                frames.InCamera(seen, notes),
-                name=None if names_them else name,
-                names_by_class=self._scene.object_by_class(),
-                start=start,
-                notes=notes,
-            )
-        if not found:
-            kind = "in" if is_frame(topics.detections) else "on the topic"
-            self._notes.Add(
-                f"there are no detections of {self._scene.object_names()} "
-                f"{kind} {topics.detections}: estimates stay at the scene's "
-                "nominal poses"
-            )
-        return tuple(sorted(found, key=lambda d: (d.received, d.time, d.name)))
+        placed = self._timeline.Place(self._samples.poses.get(topic, []), notes)
+        return [m for m in placed if is_usable_pose(m.value, notes)]
 
     def _GroundTruth(
-        self, poses: _Poses, frames: LogFrames, start: int
+        self, frames: LogFrames, start: int
     ) -> dict[str, PoseRecord]:
         found = {}
         for name, source in self._sources.ground_truth.items():
-            notes = self._notes.On(source, "message")
-            placed = frames.InWorld(self._sources.Truth(poses, name), notes)
+            notes = self._notes.On(source, "message").Of(name)
+            said = self._sources.Truth(self._samples.poses, name)
+            placed = frames.InWorld(self._timeline.Place(said, notes), notes)
             record = make_pose_record(placed, start=start, notes=notes)
+            if said:
+                count_usage(self._usage, notes, read=len(said))
             if record:
                 found[name] = record
         return found
 
-
-def _joints_in_log(scene: Scene, joint_names: Sequence[str]) -> dict[str, str]:
-    """Returns the joints' names in the log by their names in the model."""
-    renamed = scene.topics.joint_names
-    unknown = sorted(set(renamed) - set(joint_names))
-    if unknown:
-        raise LogError(
-            f"the scene's topics.joint_names names {unknown}, which the robot "
-            f"does not have; its joints are {list(joint_names)}"
-        )
-    if scene.topics.tf_joints:
-        return {name: name for name in joint_names}
-    return {name: renamed.get(name, name) for name in joint_names}
+    def _CountUndecoded(self) -> None:
+        """Counts the messages that can't be decoded, so are of no object."""
+        for topic in self._samples.poses:
+            notes = self._notes.On(topic, "message")
+            damaged = sum(notes.LeftOut().values())
+            if damaged and topic not in self._sources.joints:
+                count_usage(
+                    self._usage, notes, read=self._samples.counts[topic]
+                )

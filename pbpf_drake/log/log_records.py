@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from pydrake.math import RigidTransform
 
+from pbpf_drake.log.input_usage import InputUsage
+
 
 @dataclass(frozen=True)
 class JointRecord:
@@ -71,6 +73,7 @@ class Log:
         warnings: one sentence for everything that was left out, and why.
         X_WC: pose of the camera's optical frame in the world; None where it
             is that of the scene. Detections are in this camera.
+        usage: how much of the input was used, for each topic and object.
     """
 
     joints: JointRecord
@@ -79,6 +82,7 @@ class Log:
     start_time: int = 0
     warnings: tuple[str, ...] = ()
     X_WC: RigidTransform | None = None
+    usage: tuple[InputUsage, ...] = ()
 
     @property
     def duration(self) -> float:

@@ -46,12 +46,17 @@ class PoseSample:
             frame. Empty where the message doesn't say.
         q: (4,) quaternion w, x, y, z, of any length.
         p: (3,) position (in meters).
+        score: how sure the detector is of it; 0 where it doesn't say.
+        is_of_bbox: whether it is the pose of the bounding box, as the message
+            has no other one.
     """
 
     frame: str
     name: str
     q: np.ndarray
     p: np.ndarray
+    score: float = 0.0
+    is_of_bbox: bool = False
 
 
 @dataclass(frozen=True)

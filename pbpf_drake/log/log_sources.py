@@ -1,10 +1,10 @@
 """Which topics and frames of a log a scene asks for."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from pbpf_drake.config.log_topics import for_object, frame_name, is_frame
 from pbpf_drake.config.scene_config import Scene
-from pbpf_drake.log.log_samples import PoseSample, Stamped
+from pbpf_drake.log.log_samples import PoseSample, RawStamped
 from pbpf_drake.log.sample_extraction import (
     DETECTION_TYPES,
     JOINT_TYPES,
@@ -13,7 +13,7 @@ from pbpf_drake.log.sample_extraction import (
 )
 
 # By topic, what its messages say.
-_Poses = Mapping[str, Sequence[Stamped[PoseSample]]]
+_Poses = Mapping[str, Sequence[RawStamped[PoseSample]]]
 
 
 class LogSources:
@@ -23,24 +23,29 @@ class LogSources:
 
     Attributes:
         types: by topic, the types that its messages may have.
-        joints: the topic that joint positions are from.
+        joints: the topics that joint positions are from.
         detections: by source, the object that it is of; None where messages
             name their objects.
         ground_truth: by the object's name, its source.
     """
 
-    def __init__(self, scene: Scene):
+    def __init__(self, scene: Scene, more_joints: Collection[str] = ()):
         """Makes the lists.
 
         Args:
             scene: names topics, frames and objects.
+            more_joints: topics of joint states that the scene doesn't name.
         """
         topics = scene.topics
         self._tf = topics.tf
         self._truth_ids = scene.ground_truth_ids()
         self._names_truth = "{name}" in topics.ground_truth
         class_ids = {v: k for k, v in scene.object_by_class().items()}
-        self.joints = topics.tf if topics.tf_joints else topics.joint_states
+        self.joints = (
+            (topics.tf,)
+            if topics.tf_joints
+            else (*topics.joint_topics(), *more_joints)
+        )
         self.detections: dict[str, str | None] = {topics.detections: None}
         if "{name}" in topics.detections or len(class_ids) == 1:
             self.detections = {
@@ -57,7 +62,7 @@ class LogSources:
         topics = scene.topics
         wanted: list[tuple[str, tuple[str, ...]]] = []
         if not topics.tf_joints:
-            wanted.append((self.joints, JOINT_TYPES))
+            wanted += [(s, JOINT_TYPES) for s in self.joints]
         wanted += [(s, DETECTION_TYPES) for s in self.detections]
         wanted += [(s, TRUTH_TYPES) for s in self.ground_truth.values()]
         if topics.ground_truth_base:
@@ -71,7 +76,7 @@ class LogSources:
                 types.setdefault(source, accepted)
         return types
 
-    def Poses(self, poses: _Poses, source: str) -> list[Stamped[PoseSample]]:
+    def Poses(self, poses: _Poses, source: str) -> list[RawStamped[PoseSample]]:
         """Returns what a source says.
 
         Args:
@@ -83,7 +88,7 @@ class LogSources:
         frame = frame_name(source)
         return [m for m in poses.get(self._tf, ()) if m.value.name == frame]
 
-    def Truth(self, poses: _Poses, name: str) -> list[Stamped[PoseSample]]:
+    def Truth(self, poses: _Poses, name: str) -> list[RawStamped[PoseSample]]:
         """Returns what the source of one object's true poses says of it.
 
         Args:

@@ -9,6 +9,7 @@ from pbpf_drake.bags.log_stream import RawMessage
 from pbpf_drake.bags.message_decoder import MessageDecoder
 from pbpf_drake.bags.ros2_messages import is_one_of
 from pbpf_drake.log.sample_extraction import (
+    DETECTION_TYPES,
     JOINT_TYPES,
     TF_TYPES,
     extract_joints,
@@ -48,14 +49,19 @@ class LogSurvey:
         frames: how often tf says where a frame is in its parent, by the
             names of the two.
         joints: names of joints, by topic.
+        detection_frames: the frames that detections and single poses are in,
+            by topic.
         damage: sentences on what can't be read.
+        checksums: whether all that was read was covered by checksums.
     """
 
     kind: str = ""
     topics: dict[str, TopicSurvey] = field(default_factory=dict)
     frames: Counter[tuple[str, str]] = field(default_factory=Counter)
     joints: dict[str, set[str]] = field(default_factory=dict)
+    detection_frames: dict[str, set[str]] = field(default_factory=dict)
     damage: list[str] = field(default_factory=list)
+    checksums: bool = True
 
 
 def SurveyLog(path: Path) -> LogSurvey:
@@ -81,6 +87,7 @@ def SurveyLog(path: Path) -> LogSurvey:
     for name, kind in stream.types.items():
         survey.topics.setdefault(name, TopicSurvey(kind))
     survey.kind, survey.damage = stream.kind, stream.damage
+    survey.checksums = stream.checksums
     return survey
 
 
@@ -93,3 +100,7 @@ def _look_inside(
     elif is_one_of(message.type, JOINT_TYPES):
         joints = extract_joints(message, decoder.Decode(message)).value
         survey.joints.setdefault(message.topic, set()).update(joints.names)
+    elif is_one_of(message.type, DETECTION_TYPES):
+        frames = survey.detection_frames.setdefault(message.topic, set())
+        samples = extract_poses(message, decoder.Decode(message))
+        frames.update(sample.value.frame for sample in samples)

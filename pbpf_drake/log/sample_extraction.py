@@ -1,6 +1,6 @@
 """Makes samples of decoded messages, whatever type of message they are."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -83,22 +83,39 @@ def _tf(message: Any) -> list[_Part]:
 
 def _detections(message: Any) -> list[_Part]:
     return [
-        _part(message.header, *_best_result(d.results))
+        (message.header, _detection(frame_name(message.header.frame_id), d))
         for d in message.detections
     ]
 
 
-def _best_result(results: Sequence[Any]) -> tuple[str, _Arrays]:
-    """Returns the class name and the pose of the highest score."""
+def _detection(frame: str, detection: Any) -> PoseSample:
+    """Returns the result of the highest score.
+
+    Some detectors fill in only the bounding box, and leave the pose of the
+    result at zero.
+    """
+    results = detection.results
     if not results:
-        return "", (np.zeros(4), np.zeros(3))
+        return PoseSample(frame, "", np.zeros(4), np.zeros(3))
     # Before ROS 2 Humble a result had no hypothesis, and an id in its place.
     hypotheses = [getattr(result, "hypothesis", result) for result in results]
     best = max(range(len(results)), key=lambda i: hypotheses[i].score)
     class_id = getattr(hypotheses[best], "class_id", None)
     if class_id is None:
         class_id = hypotheses[best].id
-    return str(class_id), pose_arrays(results[best].pose.pose)
+    score = float(hypotheses[best].score)
+    q, p = pose_arrays(results[best].pose.pose)
+    is_of_bbox = False
+    if _is_empty(q, p) and hasattr(detection, "bbox"):
+        box_q, box_p = pose_arrays(detection.bbox.center)
+        if not _is_empty(box_q, box_p):
+            q, p, is_of_bbox = box_q, box_p, True
+    return PoseSample(frame, str(class_id), q, p, score, is_of_bbox)
+
+
+def _is_empty(q: np.ndarray, p: np.ndarray) -> bool:
+    """Tells if a pose is what an empty message has: zero or identity."""
+    return not np.any(p) and not np.any(q[1:])
 
 
 def _part(header: Any, name: str, arrays: _Arrays) -> _Part:

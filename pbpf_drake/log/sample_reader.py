@@ -1,5 +1,6 @@
 """Reads the samples of a log's messages, whatever file they are in."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -29,12 +30,14 @@ class LogSamples:
 
     Attributes:
         poses: by topic; empty for a topic that has none.
-        joints: the joint states, which are all on one topic.
+        joints: the joint states by topic; empty for a topic that has none.
+        counts: by topic, how many messages there are on it.
         types: of all topics in the file, the name of their messages' type.
     """
 
     poses: dict[str, list[RawStamped[PoseSample]]]
-    joints: list[RawStamped[JointSample]] = field(default_factory=list)
+    joints: dict[str, list[RawStamped[JointSample]]]
+    counts: Counter[str] = field(default_factory=Counter)
     types: dict[str, str] = field(default_factory=dict)
 
 
@@ -60,8 +63,12 @@ def ReadSamples(
     # By topic, why a message on it can't be what the scene asks for.
     misfits: dict[str, str] = {}
     fitting: set[str] = set()
-    samples = LogSamples(poses={topic: [] for topic in types})
+    samples = LogSamples(
+        poses={topic: [] for topic in types},
+        joints={topic: [] for topic in types},
+    )
     for message in stream.Messages():
+        samples.counts[message.topic] += 1
         counts = notes.On(message.topic, "message")
         misfit = _misfit(message, types[message.topic])
         if misfit:
@@ -82,6 +89,16 @@ def ReadSamples(
         notes.Add(sentence)
     samples.types.update(stream.types)
     return samples
+
+
+def joint_names_of(samples: LogSamples) -> set[str]:
+    """Returns the names of all joints in some samples."""
+    return {
+        name
+        for on_topic in samples.joints.values()
+        for sample in on_topic
+        for name in sample.value.names
+    }
 
 
 def _misfit(message: RawMessage, expected: Sequence[str]) -> str:
@@ -110,6 +127,7 @@ def _add(
         raise ValueError("the time can't be")
     decoded = decoder.Decode(message)
     if is_one_of(message.type, JOINT_TYPES):
-        samples.joints.append(extract_joints(message, decoded))
+        joints = extract_joints(message, decoded)
+        samples.joints[message.topic].append(joints)
     else:
         samples.poses[message.topic] += extract_poses(message, decoded)

@@ -7,6 +7,9 @@ import numpy as np
 from pbpf_drake.bags.log_notes import TopicNotes
 from pbpf_drake.log.log_samples import SampleT, Stamped
 
+# Shorter distances between samples are no gaps (in seconds).
+_MIN_GAP = 0.25
+
 
 def in_stamp_order(
     messages: Sequence[Stamped[SampleT]], notes: TopicNotes
@@ -29,6 +32,29 @@ def in_stamp_order(
         else:
             kept.append(message)
     return kept
+
+
+def gap_clause(times: np.ndarray) -> str:
+    """Returns a clause on the gaps between samples; empty if there is none.
+
+    A gap is longer than a quarter of a second, and than ten times the usual
+    distance.
+
+    Args:
+        times: (N,) strictly increasing (in seconds).
+    """
+    steps = np.diff(times)
+    if not len(steps):
+        return ""
+    gaps = np.flatnonzero(steps > max(_MIN_GAP, 10 * float(np.median(steps))))
+    if not len(gaps):
+        return ""
+    longest = gaps[np.argmax(steps[gaps])]
+    return (
+        f"there {'is 1 gap' if len(gaps) == 1 else f'are {len(gaps)} gaps'} "
+        f"without messages, the longest of {steps[longest]:.2f} s from "
+        f"{times[longest]:.2f} s on"
+    )
 
 
 def seconds_since(

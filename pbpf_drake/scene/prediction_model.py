@@ -13,10 +13,17 @@ from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 
 from pbpf_drake.config.scene_config import Scene
+from pbpf_drake.model_facts import ModelFacts
 from pbpf_drake.poses.pose_conversion import pose_array
+from pbpf_drake.scene.mimic_joints import MimicJoints
+from pbpf_drake.scene.model_places import WorldBoxes
 from pbpf_drake.scene.object_size import CheckObjectSizes
 from pbpf_drake.scene.robot_joints import RobotJointNames
-from pbpf_drake.scene.scene_models import AddSceneModels, SceneModels
+from pbpf_drake.scene.scene_models import (
+    AddSceneModels,
+    MakePackageMap,
+    SceneModels,
+)
 from pbpf_drake.scene.scene_warnings import (
     CarrierWarnings,
     WarnOnce,
@@ -35,6 +42,7 @@ class PredictionModel:
         robot_q: (n,) where the robot's joints are among the plant's positions.
         links: the robot's L bodies that have collision geometry.
         nominal_poses: (K, 7) the poses that the scene gives the objects.
+        facts: what a log is completed with and compared to.
         warnings: sentences on what probably isn't as it was meant.
     """
 
@@ -44,6 +52,7 @@ class PredictionModel:
     robot_q: np.ndarray
     links: tuple[BodyIndex, ...]
     nominal_poses: np.ndarray
+    facts: ModelFacts
     warnings: tuple[str, ...] = ()
 
     def geometries(self, body: BodyIndex) -> list[GeometryId]:
@@ -101,10 +110,35 @@ def MakePredictionModel(scene: Scene) -> PredictionModel:
             if _geometries(diagram, b)
         ),
         nominal_poses=np.array([positions[s : s + 7] for s in starts]),
+        facts=_facts(scene, diagram, models),
     )
     warnings = _warnings(scene, model)
     WarnOnce(warnings)
     return replace(model, warnings=(*models.warnings, *warnings))
+
+
+def _facts(
+    scene: Scene, diagram: RobotDiagram, models: SceneModels
+) -> ModelFacts:
+    plant = diagram.plant()
+    context = plant.CreateDefaultContext()
+    bodies = [BodyIndex(i) for i in range(1, plant.num_bodies())]
+    X_WB = np.array(
+        [pose_array(plant.get_body(b).EvalPoseInWorld(context)) for b in bodies]
+    )
+    p_WB = dict(zip(bodies, X_WB[:, 4:], strict=True))
+    return ModelFacts(
+        mimics=MimicJoints(scene, MakePackageMap(scene)),
+        nominal={
+            name: p_WB[body]
+            for name, body in zip(scene.tracked, models.objects, strict=True)
+        },
+        boxes=WorldBoxes(
+            diagram.scene_graph().model_inspector(),
+            [_geometries(diagram, b) for b in bodies],
+            X_WB,
+        ),
+    )
 
 
 def _warnings(scene: Scene, model: PredictionModel) -> list[str]:

@@ -18,7 +18,6 @@ def test_equal_notes_are_one_sentence():
         "/a: left out 2 messages without a name",
         "/b: left out 1 message without a name",
     )
-    assert notes.Sentences("/b") == ("/b: left out 1 message without a name",)
 
 
 def test_what_is_counted_on_a_topic_is_counted_with_all_the_rest():
@@ -29,13 +28,24 @@ def test_what_is_counted_on_a_topic_is_counted_with_all_the_rest():
     notes.On("/a", "pose").CountLeftOut("without a name")
     dut.Count("turned", "upside down")
     dut.Add("a sentence")
-    expected = (
-        "/a: left out 2 poses without a name",
-        "/a: turned 1 pose upside down",
-    )
-    assert dut.Sentences() == expected
     assert notes.Sentences() == (
         "/a: a sentence",
         "/b: left out 1 message without a name",
-        *expected,
+        "/a: left out 2 poses without a name",
+        "/a: turned 1 pose upside down",
     )
+
+
+def test_what_is_left_out_is_known_by_object_and_said_together():
+    notes = LogNotes()
+    dut = notes.On("/a", "detection")
+    for owner, count in (("box", 2), ("can", 1), ("", 1)):
+        for _ in range(count):
+            dut.Of(owner).CountLeftOut("without a name")
+    dut.Of("box").Count("turned", "upside down")
+    dut.Of("box").CountLeftOut("too late")
+    notes.On("/a", "message").Of("box").CountLeftOut("damaged")
+    assert dut.Of("box").LeftOut() == {"without a name": 2, "too late": 1}
+    assert dut.Of("can").LeftOut() == dut.LeftOut() == {"without a name": 1}
+    assert dut.Of("mug").LeftOut() == {}
+    assert "/a: left out 4 detections without a name" in notes.Sentences()

@@ -35,6 +35,16 @@ def test_what_a_scene_gives_goes_before_its_preset(tmp_path):
     assert topics.ReferencePose().translation().tolist() == [0, 0, 1]
 
 
+def test_joints_may_be_on_several_topics_or_fixed(tmp_path):
+    topics = _load(
+        tmp_path,
+        "{joint_states: /arm, more_joint_states: [/hand, /arm, /head], "
+        "fixed_joints: {pan: 0.5}}",
+    )
+    assert topics.joint_topics() == ("/arm", "/hand", "/head")
+    assert topics.fixed_joints == {"pan": 0.5}
+
+
 def test_without_a_preset_topics_are_ours(tmp_path):
     assert repr(_load(tmp_path, "{}")) == repr(LogTopics())
 
@@ -47,6 +57,15 @@ def test_without_a_preset_topics_are_ours(tmp_path):
         ("{ground_truth: /truth/}", r"topics\.ground_truth is '/truth/'"),
         ("{images: ''}", r"topics\.images is ''; expected a whole"),
         ("{images: 'tf:eye'}", r"images is 'tf:eye'; expected a topic"),
+        (
+            "{more_joint_states: [/hand, 'tf:tip']}",
+            r"more_joint_states is 'tf:tip'; expected a topic",
+        ),
+        ("{more_joint_states: ['']}", r"topics\.more_joint_states is ''; exp"),
+        (
+            "{fixed_joints: {elbow: .nan}}",
+            r"topics\.fixed_joints\.elbow is nan; expected a finite position",
+        ),
         ("{joint_states: 'tf:arm'}", r"joint_states is 'tf:arm'; expected a"),
         ("{detections: 'tf:box'}", r"detections .* reference_frame is empty"),
         ("{tf_joints: {x: tip.x}}", r"tf_joints .* reference_frame is empty"),

@@ -1,5 +1,7 @@
 """What --inspect says of a log."""
 
+from functools import partial
+
 from authors_fixtures import transform
 from bag_fixtures import our_entries, write_mcap, write_ros1, write_ros2
 from filter_fixtures import SCENES
@@ -13,6 +15,7 @@ from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.ros2_messages import COMPRESSED_IMAGE, TF_MESSAGE
 from pbpf_drake.diagrams.track_log import main
 from pbpf_drake.log.log_inspection import InspectLog
+from pbpf_drake.model_facts import MimicJoint, ModelFacts
 
 LOG = make_small_log()
 
@@ -153,3 +156,76 @@ def test_recorded_logs_are_inspected():
         for path in paths:
             text = _inspect(path)
             assert f"{path} is a" in text and "It can't be tracked." in text
+
+
+@pytest.mark.parametrize(
+    ("write", "expected"),
+    [
+        (write_ros2, "A ROS 2 recording of this form has no checksums"),
+        (
+            partial(write_ros1, compression="none"),
+            "A ROS 1 bag of this form has no checksums",
+        ),
+        (write_ros1, ""),
+        (write_mcap, ""),
+    ],
+)
+def test_it_says_whether_damage_could_be_noticed(tmp_path, write, expected):
+    text = _inspect(write(tmp_path / "log", our_entries(LOG)))
+    assert expected in text
+    assert bool(expected) == ("checksums" in text)
+
+
+def test_it_says_in_which_frames_detections_are(faulty, path):
+    faulty.joints(0.0)
+    faulty.detection(0.1)
+    faulty.__exit__()
+    text = _inspect(path, names=("a", "b"))
+    assert "frames of /dope/detected_objects: 'frame'" in text
+
+
+def test_it_says_what_is_used_and_how_old_detections_are(faulty, path):
+    for i in range(10):
+        faulty.joints(0.1 * i)
+        faulty.detection(0.1 * i, delay=0.4)
+    faulty.detection(0.95, q=(0, 0, 0, 0))
+    faulty.__exit__()
+    text = _inspect(path, names=("a", "b"))
+    for line in (
+        "/joint_states: 10 messages read, 10 used",
+        "11 detections of 'box' read, 10 used; 1 left out: whose quaternion",
+        "detections of 'box' are 0.400 s old when they arrive (median; 95th",
+        "is older than filter.max_detection_age, 0.25 s",
+    ):
+        assert line in text
+
+
+def test_it_finds_joints_on_other_topics(faulty, path):
+    faulty.joints(0.0, names=("a",), positions=(0.0,))
+    faulty.joints(0.0, names=("b",), positions=(0.0,), topic="/hand")
+    faulty.__exit__()
+    text = _inspect(path, names=("a", "b"))
+    assert "joints ['b']: /hand" in text and "It can be tracked" in text
+    text = _inspect(path, names=("a", "b", "c"))
+    assert "without the joints ['c']; it has ['a', 'b']" in text
+
+
+def test_a_joint_on_two_other_topics_is_said_and_no_error(faulty, path):
+    faulty.joints(0.0, names=("a",), positions=(0.0,))
+    for topic in ("/left", "/right"):
+        faulty.joints(0.0, names=("b",), positions=(0.0,), topic=topic)
+    faulty.__exit__()
+    text = _inspect(path, names=("a", "b"))
+    assert "It can't be tracked." in text and "/left and /right" in text
+
+
+def test_a_mimic_joint_is_not_missing(faulty, path):
+    faulty.joints(0.0, names=("a",), positions=(0.0,))
+    faulty.__exit__()
+    text = InspectLog(
+        filename=path,
+        scene=make_small_scene(),
+        joint_names=("a", "b"),
+        facts=ModelFacts(mimics={"b": MimicJoint("a")}),
+    )
+    assert "It can be tracked" in text and "without the joints" not in text

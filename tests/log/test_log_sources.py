@@ -6,7 +6,7 @@ import pytest
 from pbpf_drake.bags.ros2_messages import DETECTION_ARRAY, JOINT_STATE
 from pbpf_drake.config.log_topics import LogTopics
 from pbpf_drake.config.scene_config import Scene, TrackedObject
-from pbpf_drake.log.log_samples import PoseSample, Stamped
+from pbpf_drake.log.log_samples import PoseSample, RawStamped
 from pbpf_drake.log.log_sources import LogSources
 
 
@@ -22,7 +22,7 @@ def _sources(tracked=("box", "can"), **topics):
 
 def _said(*names):
     return [
-        Stamped(i, i, PoseSample("base", name, np.zeros(4), np.zeros(3)))
+        RawStamped(i, i, PoseSample("base", name, np.zeros(4), np.zeros(3)))
         for i, name in enumerate(names)
     ]
 
@@ -54,7 +54,7 @@ def test_topics_have_their_types_and_frames_have_none():
 
 def test_joints_in_tf_need_no_joint_states():
     sources = _sources(tf_joints={"a": "tip.x"}, reference_frame="base")
-    assert sources.joints == "/tf"
+    assert sources.joints == ("/tf",)
     assert "/joint_states" not in sources.types
 
 

@@ -87,9 +87,10 @@ def test_samples_are_those_of_the_topics_that_are_asked_for(path, faulty):
     notes = LogNotes()
     samples = ReadSamples(path, types, notes)
     # As they are in the file.
-    stamps = [m.stamp - T0 for m in samples.joints]
+    stamps = [m.stamp - T0 for m in samples.joints[JOINT_STATES]]
     assert stamps == [SECOND // 5, SECOND // 10]
     assert [m.value.name for m in samples.poses[DETECTIONS]] == ["box", "box"]
     assert samples.poses["/other"] == []
+    assert samples.counts == {JOINT_STATES: 2, DETECTIONS: 2}
     assert TRUTH not in samples.poses and TRUTH in samples.types
     assert notes.Sentences() == ()

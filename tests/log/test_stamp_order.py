@@ -2,10 +2,11 @@
 
 from log_fixtures import has_warning
 from mcap_fixtures import SECOND, T0
+import numpy as np
 
 from pbpf_drake.bags.log_notes import LogNotes
 from pbpf_drake.log.log_samples import Stamped
-from pbpf_drake.log.stamp_order import in_stamp_order, seconds_since
+from pbpf_drake.log.stamp_order import gap_clause, in_stamp_order, seconds_since
 
 
 def _order(*times):
@@ -45,3 +46,19 @@ def test_stamps_are_sorted_and_duplicates_left_out(faulty):
     assert has_warning(
         log, "left out 1 message with the stamp of an earlier one"
     )
+
+
+def test_gaps_are_told_with_the_longest():
+    steps = np.full(60, 0.1)
+    assert gap_clause(np.cumsum(steps)) == ""
+    steps[[10, 30]] = 1.5, 3.0
+    said = gap_clause(np.cumsum(steps))
+    assert said == (
+        "there are 2 gaps without messages, the longest of 3.00 s from 4.40 s "
+        "on"
+    )
+
+
+def test_a_topic_at_a_low_rate_has_no_gaps():
+    assert gap_clause(np.arange(10) * 2.0) == ""
+    assert gap_clause(np.array([0.0])) == gap_clause(np.array([])) == ""
