@@ -18,6 +18,7 @@ from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.recording_config import RecordingConfig
 from pbpf_drake.config.symmetry import SymmetryConfig
 from pbpf_drake.config.visibility_config import VisibilityConfig
+from pbpf_drake.config.yaml_checks import CheckYamlFile
 
 
 @dataclass(kw_only=True)
@@ -119,8 +120,12 @@ def LoadScene(filename: str | Path) -> Scene:
         ValueError: the file isn't a scene; the message names file and field.
     """
     path = Path(filename).expanduser().resolve()
-    if not path.is_file():
+    if not path.exists() or path.is_dir():
         raise FileNotFoundError(f"There is no scene file {path}")
+    try:
+        CheckYamlFile(path)
+    except ValueError as error:
+        raise ValueError(f"Scene file {path}: {error}") from error
     try:
         scene = yaml_load_typed(
             schema=Scene, filename=str(path), defaults=_defaults(path)

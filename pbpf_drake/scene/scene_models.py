@@ -18,6 +18,7 @@ from pydrake.multibody.tree import (
 )
 
 from pbpf_drake.config.scene_config import Scene
+from pbpf_drake.scene.directive_checks import CheckDirectiveFiles
 from pbpf_drake.scene.mesh_models import AddMeshModel, IsMeshModel
 
 
@@ -80,6 +81,7 @@ def AddSceneModels(plant: MultibodyPlant, scene: Scene) -> SceneModels:
     meshes = [d for d in scene.directives if IsMeshModel(d)]
     others = [d for d in scene.directives if not IsMeshModel(d)]
     try:
+        CheckDirectiveFiles(scene.directives, packages)
         for directive in meshes:
             AddMeshModel(plant, directive, packages)
         ProcessModelDirectives(ModelDirectives(directives=others), parser)

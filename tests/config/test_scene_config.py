@@ -134,7 +134,7 @@ def test_what_is_wrong_is_named_with_file_and_field(
         ("filter: {process_noise: 0.1}", r"filter\.process_noise: "),
         (
             "filter: {physics: {mass: {min: 0}}}",
-            r"filter\.physics\.mass\.min is 0.0; expected more than 0",
+            r"filter\.physics\.mass\.min is 0.0; expected at least 1e-06",
         ),
         ("topics: {joint_names: [a]}", r"topics\.joint_names: "),
         ("recording: {duration: long}", r"recording\.duration: "),
