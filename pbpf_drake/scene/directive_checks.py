@@ -28,7 +28,7 @@ _FILE_NAME = re.compile(
 
 
 def CheckDirectiveFiles(
-    directives: Sequence[ModelDirective], packages: PackageMap
+    directives: Sequence[ModelDirective], packages: PackageMap, folder: Path
 ) -> None:
     """Raises a ValueError if Drake would not come to an end with a file.
 
@@ -37,6 +37,7 @@ def CheckDirectiveFiles(
     Args:
         directives: of a scene.
         packages: where package:// leads to.
+        folder: that of the scene file.
 
     Raises:
         ValueError: a file, or one that it names, includes itself, is no regular
@@ -47,7 +48,7 @@ def CheckDirectiveFiles(
     for directive in directives:
         for part in directive.add_model, directive.add_directives:
             if part is not None:
-                walk.Follow(part.file, None, ())
+                walk.Follow(part.file, folder, ())
 
 
 class _Walk:
@@ -58,14 +59,12 @@ class _Walk:
         self._num_files = 0
         self._names: dict[Path, tuple[str, ...]] = {}
 
-    def Follow(
-        self, name: str, folder: Path | None, above: tuple[Path, ...]
-    ) -> None:
+    def Follow(self, name: str, folder: Path, above: tuple[Path, ...]) -> None:
         """Looks through one file and what it names.
 
         Args:
             name: of the file, as it is written somewhere.
-            folder: of the file that has this name; None for the scene.
+            folder: of the file that has this name.
             above: the files that have led here, from the first on.
         """
         path = self._Find(name, folder)
@@ -88,7 +87,7 @@ class _Walk:
         for found in self._names[path]:
             self.Follow(found, path.parent, (*above, path))
 
-    def _Find(self, name: str, folder: Path | None) -> Path | None:
+    def _Find(self, name: str, folder: Path) -> Path | None:
         """Returns the file that is meant; None if there is none."""
         if "://" in name:
             try:
@@ -96,7 +95,7 @@ class _Walk:
             except RuntimeError:
                 return None
         else:
-            path = (folder or Path()) / name
+            path = folder / name
         if path.is_dir():
             path = path / "model.config"
         return path.resolve() if path.exists() else None

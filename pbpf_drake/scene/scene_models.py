@@ -81,7 +81,8 @@ def AddSceneModels(plant: MultibodyPlant, scene: Scene) -> SceneModels:
     meshes = [d for d in scene.directives if IsMeshModel(d)]
     others = [d for d in scene.directives if not IsMeshModel(d)]
     try:
-        CheckDirectiveFiles(scene.directives, packages)
+        folder = Path(scene.path).parent
+        CheckDirectiveFiles(scene.directives, packages, folder)
         for directive in meshes:
             AddMeshModel(plant, directive, packages)
         ProcessModelDirectives(ModelDirectives(directives=others), parser)
