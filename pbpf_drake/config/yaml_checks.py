@@ -18,8 +18,8 @@ _MAX_DEPTH = 50
 _MAX_VALUES = 100_000
 # Where models are is given in meters and radians: more can only be a mistake.
 _MAX_NUMBER = 1e6
-# What is in here, all numbers must be in range.
-_DIRECTIVES = "directives"
+# So are all numbers in fields of these names.
+_POSES = {"directives", "X_WC", "X_WR"}
 _FLOAT = "tag:yaml.org,2002:float"
 _INT = "tag:yaml.org,2002:int"
 
@@ -49,9 +49,9 @@ def CheckYamlFile(path: Path) -> None:
     Raises:
         ValueError: it is no regular file, is larger than 10 MB or no YAML, has
             a key twice, is nested too deeply, contains itself or becomes too
-            large where anchors are put in, or a number in its directives is
-            out of range. The message names the field and the line, not the
-            file.
+            large where anchors are put in, or a number in its directives or
+            poses is out of range. The message names the field and the line,
+            not the file.
     """
     RequireRegularFile(path)
     size = path.stat().st_size
@@ -157,8 +157,8 @@ def _check_keys(node: yaml.Node, path: tuple[str, ...]) -> None:
 
 
 def _check_number(node: yaml.Node, path: tuple[str, ...]) -> None:
-    """Raises a ValueError if a number of a directive is out of range."""
-    if path[:1] != (_DIRECTIVES,) or node.tag not in (_FLOAT, _INT):
+    """Raises a ValueError if a number of a pose is out of range."""
+    if _POSES.isdisjoint(path) or node.tag not in (_FLOAT, _INT):
         return
     try:
         value = float(yaml.safe_load(node.value))

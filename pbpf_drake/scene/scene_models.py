@@ -19,6 +19,7 @@ from pydrake.multibody.tree import (
 
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.scene.directive_checks import CheckDirectiveFiles
+from pbpf_drake.scene.drake_log import EachMessageOnce
 from pbpf_drake.scene.mesh_models import AddMeshModel, IsMeshModel
 
 
@@ -69,6 +70,8 @@ def MakePackageMap(scene: Scene) -> PackageMap:
 def AddSceneModels(plant: MultibodyPlant, scene: Scene) -> SceneModels:
     """Adds the scene's models to a plant that is not finalized yet.
 
+    What Drake warns of, it says once for each model file.
+
     Raises:
         ValueError: a model can't be parsed (a file is missing, say), the
             robot or a tracked model doesn't exist or can't play its role, or
@@ -83,9 +86,10 @@ def AddSceneModels(plant: MultibodyPlant, scene: Scene) -> SceneModels:
     try:
         folder = Path(scene.path).parent
         CheckDirectiveFiles(scene.directives, packages, folder)
-        for directive in meshes:
-            AddMeshModel(plant, directive, packages)
-        ProcessModelDirectives(ModelDirectives(directives=others), parser)
+        with EachMessageOnce():
+            for directive in meshes:
+                AddMeshModel(plant, directive, packages)
+            ProcessModelDirectives(ModelDirectives(directives=others), parser)
     except Exception as error:
         raise ValueError(f"{where}: {error}") from error
     try:

@@ -82,7 +82,21 @@ def test_a_file_that_is_missing_is_named(tmp_path):
         ("cx: 311.145", "cx: .nan", r"camera\.cx is nan; expected"),
         ("width: 640", "width: 0", r"camera\.width is 0; expected"),
         ("height: 480", "height: 4.5", r"camera\.height: "),
-        ("[0.37, 0.0, 1.0]", "[.nan, 0, 0]", r"camera\.X_WC is not finite"),
+        (
+            "[0.37, 0.0, 1.0]",
+            "[.nan, 0, 0]",
+            r"camera\.X_WC\.translation\[0\] in line \d+ is \.nan; expected ",
+        ),
+        (
+            "[180.0, 0.0, 0.0]",
+            "[0, .nan, 0]",
+            r"camera\.X_WC\.rotation\.deg\[1\] in line \d+ is \.nan; expected ",
+        ),
+        (
+            "width: 640",
+            "width: 2000000000",
+            r"camera\.width is 2000000000; .* at most 10,000",
+        ),
         ("[0.37, 0.0, 1.0]", "[0, 0]", r"camera\.X_WC\.translation: "),
         (
             "[0.37, 0.0, 1.0]",
