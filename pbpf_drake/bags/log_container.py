@@ -27,8 +27,8 @@ def OpenLogStream(filename: Path, topics: Topics = None) -> LogStream:
         topics: the topics whose messages are wanted; None means all.
 
     Raises:
-        LogError: there is no such file, or it is no log; the message says
-            what it is.
+        LogError: there is no such file, it is no regular file (a pipe, say), or
+            it is no log; the message says what it is.
     """
 
     def open_file(file: Path) -> LogStream:
@@ -38,6 +38,9 @@ def OpenLogStream(filename: Path, topics: Topics = None) -> LogStream:
         return Rosbag2Stream(
             filename=filename, topics=topics, open_file=open_file
         )
+    if filename.exists() and not filename.is_file():
+        # To read from a pipe may take for ever.
+        raise LogError(f"{_EXPECTED}, but it is no regular file")
     try:
         with filename.open("rb") as file:
             start = file.read(16)
