@@ -39,7 +39,7 @@ from pbpf_drake.tracking.tracking_diagram import (
     Track,
     TrackInterrupted,
 )
-from pbpf_drake.views.scene_meshcat import MakeLocalMeshcat
+from pbpf_drake.views.local_meshcat import MakeLocalMeshcat
 
 # The exit code where the report is there, but another file couldn't be made.
 _INCOMPLETE = 3
@@ -118,7 +118,7 @@ def _track_all(
 ) -> tuple[list[TrackRecord], bool]:
     """Runs the method and DOPE; tells if an interruption ended that."""
     records: list[TrackRecord] = []
-    meshcat = MakeLocalMeshcat(quiet=False) if args.show else None
+    meshcat = MakeLocalMeshcat() if args.show else None
     try:
         for method in dict.fromkeys((args.method, "dope")):
             records.append(_track(scene, log, method, config, meshcat))

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 from pydrake.common.value import Value
+from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import (
@@ -21,7 +22,8 @@ from pbpf_drake.scene.prediction_model import MakePredictionModel
 from pbpf_drake.tracking.add_log_sources import AddLogSources
 from pbpf_drake.tracking.add_log_visualizer import AddLogVisualizer
 from pbpf_drake.tracking.tracking_diagram import SceneOfLog
-from pbpf_drake.views.scene_meshcat import MakeLocalMeshcat, SaveReplay
+from pbpf_drake.views.local_meshcat import ShortLivedMeshcat
+from pbpf_drake.views.scene_meshcat import SaveReplay
 
 
 class TrackRecordSource(LeafSystem):
@@ -93,9 +95,16 @@ def WriteReplay(
     Raises:
         RuntimeError: there is no port for the server.
     """
-    scene = SceneOfLog(scene, log)
-    meshcat = MakeLocalMeshcat()
-    meshcat.StartRecording(set_visualizations_while_recording=False)
+    with ShortLivedMeshcat() as meshcat:
+        meshcat.StartRecording(set_visualizations_while_recording=False)
+        _draw(SceneOfLog(scene, log), log, record, meshcat)
+        SaveReplay(meshcat, filename)
+
+
+def _draw(
+    scene: Scene, log: Log, record: TrackRecord, meshcat: Meshcat
+) -> None:
+    """Draws all updates of a run."""
     builder = DiagramBuilder()
     sources = AddLogSources(builder=builder, scene=scene, log=log)
     source = builder.AddNamedSystem(
@@ -115,4 +124,3 @@ def WriteReplay(
     )
     simulator = Simulator(builder.Build())
     simulator.AdvanceTo(float(record.times[-1]) + 0.5 * record.period)
-    SaveReplay(meshcat, filename)

@@ -4,13 +4,10 @@ Paths in Meshcat are ``scene/MODEL/BODY`` for the robot and everything fixed.
 The tracked objects are left to the caller, who knows where they are.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-import logging
 from pathlib import Path
 
 import numpy as np
-from pydrake.geometry import Meshcat, MeshcatParams, Rgba
+from pydrake.geometry import Meshcat, Rgba
 from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import RobotDiagramBuilder
 
@@ -156,37 +153,6 @@ def _raise_view(offset: np.ndarray, up: np.ndarray) -> np.ndarray:
         side = -up[:2]
     side = side / max(np.linalg.norm(side), 1e-9)
     return length * np.r_[np.cos(elevation) * side, np.sin(elevation)]
-
-
-def MakeLocalMeshcat(*, quiet: bool = True) -> Meshcat:
-    """Returns a Meshcat whose web server only this machine can reach.
-
-    Args:
-        quiet: whether its address isn't written to Python's log.
-
-    Raises:
-        RuntimeError: none of the ports from 7000 to 7999 is free.
-    """
-    params = MeshcatParams(host="localhost", show_stats_plot=False)
-    if not quiet:
-        return Meshcat(params)
-    with _only_warnings():
-        return Meshcat(params)
-
-
-@contextmanager
-def _only_warnings() -> Iterator[None]:
-    """Keeps Drake from saying what is no warning."""
-    logger = logging.getLogger("drake")
-
-    def is_warning(record: logging.LogRecord) -> bool:
-        return record.levelno >= logging.WARNING
-
-    logger.addFilter(is_warning)
-    try:
-        yield
-    finally:
-        logger.removeFilter(is_warning)
 
 
 def SaveReplay(meshcat: Meshcat, filename: str | Path) -> None:
