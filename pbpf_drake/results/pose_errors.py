@@ -8,7 +8,7 @@ from pbpf_drake.config.symmetry import SymmetryConfig
 from pbpf_drake.log.log_records import PoseRecord
 from pbpf_drake.log.pose_interpolation import interpolate_poses
 from pbpf_drake.poses.quaternions import angle_between, conjugate
-from pbpf_drake.results.pose_metrics import symmetric_rotation_error
+from pbpf_drake.results.symmetric_error import symmetric_rotation_error
 from pbpf_drake.results.track_record import TrackRecord
 
 
