@@ -9,7 +9,7 @@ from pbpf_drake.config.config_checks import (
 )
 
 # A filter has at most so many particles (M).
-MAX_PARTICLES = 100_000
+MAX_PARTICLES = 10_000
 
 
 @dataclass(kw_only=True)

@@ -12,6 +12,7 @@ from pydrake.math import RigidTransform
 _MAX_DISTANCE = 1e4
 # Longer values are cut off in messages.
 _MAX_SHOWN = 60
+_MAX_MESSAGE = 500
 
 
 def require(condition: bool, name: str, value: Any, expected: str) -> None:
@@ -25,6 +26,12 @@ def require(condition: bool, name: str, value: Any, expected: str) -> None:
     """
     if not condition:
         raise ValueError(f"{name} is {_shown(value)}; expected {expected}")
+
+
+def one_line(error: BaseException) -> str:
+    """Returns an error's message in one line, and cut off where it is long."""
+    text = " ".join(str(error).split())
+    return text if len(text) <= _MAX_MESSAGE else f"{text[:_MAX_MESSAGE]}…"
 
 
 def require_positive(

@@ -37,8 +37,10 @@ _MAX_VALUES = {
     "max_speed": 1_000,  # In m/s.
 }
 # With shorter steps (in seconds and in meters) an update would never end.
-_MIN_TIME_STEP = 1e-5
-_MIN_TRAVEL = 1e-6
+_MIN_TIME_STEP = 1e-4
+_MIN_TRAVEL = 1e-5
+# Rays of all particles to one object.
+_MAX_RAYS = 10_000_000
 _MAX_SEED = 2**63 - 1
 
 
@@ -109,6 +111,13 @@ class ParticleFilterConfig:
         """Raises ValueError, naming field, value and what was expected."""
         for field_name, maximum in _MAX_COUNTS.items():
             require_at_least(1, self, "", (field_name,), maximum=maximum)
+        require(
+            self.num_particles * self.num_rays <= _MAX_RAYS,
+            "num_rays",
+            self.num_rays,
+            f"at most {_MAX_RAYS // self.num_particles:,} with num_particles "
+            f"{self.num_particles:,}",
+        )
         require_at_least(0, self, "", ("seed",), maximum=_MAX_SEED)
         for field_name, maximum in _MAX_VALUES.items():
             require_positive(self, "", (field_name,), maximum=maximum)

@@ -13,6 +13,7 @@ from pydrake.common.yaml import yaml_dump, yaml_load, yaml_load_typed
 from pydrake.multibody.parsing import ModelDirective
 
 from pbpf_drake.config.camera_config import CameraConfig
+from pbpf_drake.config.config_checks import one_line
 from pbpf_drake.config.log_topics import PRESETS, LogTopics
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.recording_config import RecordingConfig
@@ -132,7 +133,7 @@ def LoadScene(filename: str | Path) -> Scene:
         )
     except Exception as error:
         where = ": ".join(filter(None, (str(path), _bad_field(path))))
-        raise ValueError(f"Scene file {where}: {error}") from error
+        raise ValueError(f"Scene file {where}: {one_line(error)}") from error
     scene.path = str(path)
     try:
         scene.ValidateOrThrow()

@@ -17,6 +17,7 @@ from pydrake.multibody.tree import (
     RigidBody,
 )
 
+from pbpf_drake.config.config_checks import one_line
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.scene.directive_checks import CheckDirectiveFiles
 from pbpf_drake.scene.drake_log import EachMessageOnce
@@ -90,8 +91,9 @@ def AddSceneModels(plant: MultibodyPlant, scene: Scene) -> SceneModels:
             for directive in meshes:
                 AddMeshModel(plant, directive, packages)
             ProcessModelDirectives(ModelDirectives(directives=others), parser)
-    except Exception as error:
-        raise ValueError(f"{where}: {error}") from error
+    except (Exception, SystemExit) as error:
+        # Drake ends the program where one of its assertions fails.
+        raise ValueError(f"{where}: {one_line(error)}") from error
     try:
         return _find_roles(plant, scene)
     except ValueError as error:

@@ -78,6 +78,15 @@ def test_a_bad_deviation_is_named_with_its_field(field, part, bad):
         config.ValidateOrThrow()
 
 
+def test_rays_of_all_particles_are_limited():
+    config = ParticleFilterConfig(num_particles=10_000, num_rays=1_000)
+    config.ValidateOrThrow()
+    config = replace(config, num_rays=1_001)
+    expected = "num_rays is 1001; expected at most 1,000 with .* 10,000"
+    with pytest.raises(ValueError, match=expected):
+        config.ValidateOrThrow()
+
+
 def test_only_detections_need_a_deviation():
     none = PoseStddev()
     config = ParticleFilterConfig(process_noise=none, initial_noise=none)

@@ -180,3 +180,10 @@ def test_what_is_no_scene_at_all_is_refused_with_its_name(tmp_path, text):
     path.write_text(text)
     with pytest.raises(ValueError, match=r"Scene file .*my_scene\.yaml: "):
         LoadScene(path)
+
+
+def test_what_drake_says_of_a_file_is_in_one_line(tmp_path):
+    more = "recording: {path: {<<: [1]}}\n"
+    with pytest.raises(ValueError, match="expected a mapping") as error:
+        _load(tmp_path, more=more)
+    assert "\n" not in str(error.value)
