@@ -5,12 +5,13 @@ that is pushed behind an obstacle. See --help for everything else.
 """
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import replace
 import os
 from pathlib import Path
 import sys
 
-from pydrake.geometry import Meshcat, MeshcatParams
+from pydrake.geometry import Meshcat
 from tqdm import tqdm
 
 from pbpf_drake.config.particle_filter_config import (
@@ -19,25 +20,29 @@ from pbpf_drake.config.particle_filter_config import (
 )
 from pbpf_drake.config.scene_config import LoadScene, Scene
 from pbpf_drake.diagrams.jobs.run_command import RunCommand
-from pbpf_drake.log.camera_images import CameraImages
 from pbpf_drake.log.log_inspection import InspectLog
 from pbpf_drake.log.log_reader import ReadLog
 from pbpf_drake.log.log_records import Log
-from pbpf_drake.results.diagnostic_plot import PlotDiagnostics
-from pbpf_drake.results.error_plot import PlotErrors
-from pbpf_drake.results.report import (
-    FormatTable,
-    MakeReport,
-    WriteErrors,
-    WriteReport,
-)
-from pbpf_drake.results.track_diagnostics import MakeDiagnostics
+from pbpf_drake.results.input_usage import FormatUsage, UsageRow
+from pbpf_drake.results.report_table import FormatTable
 from pbpf_drake.results.track_record import TrackRecord
 from pbpf_drake.scene.prediction_model import MakePredictionModel
 from pbpf_drake.scene.scene_models import data_folder
-from pbpf_drake.tracking.tracking_diagram import DefaultConfig, NumSteps, Track
-from pbpf_drake.tracking.write_track import WriteTrack
-from pbpf_drake.views.scene_meshcat import SaveReplay
+from pbpf_drake.tracking.track_outputs import (
+    TrackedLog,
+    WriteOutputs,
+    WrittenOutputs,
+)
+from pbpf_drake.tracking.tracking_diagram import (
+    DefaultConfig,
+    NumSteps,
+    Track,
+    TrackInterrupted,
+)
+from pbpf_drake.views.local_meshcat import MakeLocalMeshcat
+
+# The exit code where the report is there, but another file couldn't be made.
+_INCOMPLETE = 3
 
 
 def _parse(argv: list[str] | None) -> argparse.Namespace:
@@ -67,6 +72,9 @@ def _parse(argv: list[str] | None) -> argparse.Namespace:
     add("--inspect", type=Path, metavar="LOG",
         help="only say what is in this log, what of it is used, and what is "
         "missing")  # fmt: skip
+    add("--show", action="store_true",
+        help="show the run in Meshcat, at an address that only this machine "
+        "can reach")  # fmt: skip
     add("--out", type=Path, default=Path("pbpf_out"),
         help="folder to write to")  # fmt: skip
     return parser.parse_args(argv)
@@ -89,7 +97,7 @@ def _track(
     log: Log,
     method: str,
     config: ParticleFilterConfig,
-    meshcat: Meshcat | None = None,
+    meshcat: Meshcat | None,
 ) -> TrackRecord:
     with tqdm(total=NumSteps(log, config), desc=method, unit="update") as bar:
         return Track(
@@ -102,33 +110,47 @@ def _track(
         )
 
 
-def _write_track(
-    args: argparse.Namespace, scene: Scene, log: Log, record: TrackRecord
-) -> tuple[str, ...]:
-    """Writes what viewers open; returns warnings on the camera's images."""
-    images = CameraImages(
-        filename=args.log,
-        topic=scene.topics.images,
-        camera=scene.camera,
-        start_time=log.start_time,
-    )
-    WriteTrack(
-        scene=scene,
-        log=log,
-        record=record,
-        images=images.At(record.times),
-        mcap_filename=args.out / "estimates.mcap",
-        video_filename=args.out / "overlay.mp4",
-    )
-    return images.Warnings()
+def _track_all(
+    args: argparse.Namespace,
+    scene: Scene,
+    log: Log,
+    config: ParticleFilterConfig,
+) -> tuple[list[TrackRecord], bool]:
+    """Runs the method and DOPE; tells if an interruption ended that."""
+    records: list[TrackRecord] = []
+    meshcat = MakeLocalMeshcat() if args.show else None
+    try:
+        for method in dict.fromkeys((args.method, "dope")):
+            records.append(_track(scene, log, method, config, meshcat))
+            meshcat = None
+    except TrackInterrupted as interruption:
+        return [*records, interruption.record], True
+    except KeyboardInterrupt:
+        if not records:
+            raise
+        return records, True
+    return records, False
 
 
-def run(args: argparse.Namespace) -> None:
+def _say(written: WrittenOutputs, usage: Sequence[UsageRow]) -> None:
+    """Prints what came out, and what was left out."""
+    for warning in written.report["warnings"]:
+        print(f"Warning: {warning}")
+    if table := FormatUsage(usage):
+        print(table)
+    print(FormatTable(written.report))
+
+
+def run(args: argparse.Namespace) -> tuple[str, ...]:
     """Does the main job; see _parse for the arguments.
+
+    Returns:
+        A sentence for each of the files that couldn't be made.
 
     Raises:
         ValueError, FileNotFoundError: an argument, the scene or the log can't
             be used; the message says why.
+        KeyboardInterrupt: an interruption; what there was by then is written.
     """
     scene = LoadScene(args.scene)
     model = MakePredictionModel(scene)
@@ -140,7 +162,7 @@ def run(args: argparse.Namespace) -> None:
             facts=model.facts,
         )
         print(text)
-        return
+        return ()
     config = _config(args, scene)
     log = ReadLog(
         filename=args.log,
@@ -154,34 +176,35 @@ def run(args: argparse.Namespace) -> None:
             f"period of the filter, {config.period:g} s"
         )
     args.out.mkdir(parents=True, exist_ok=True)
-    meshcat = Meshcat(MeshcatParams(show_stats_plot=False))
-    meshcat.StartRecording(set_visualizations_while_recording=False)
-    records = [_track(scene, log, args.method, config, meshcat=meshcat)]
-    if args.method != "dope":
-        records.append(_track(scene, log, "dope", config))
-    warnings = model.warnings + log.warnings
-    warnings += _write_track(args, scene, log, records[0])
-    report = MakeReport(records, log.ground_truth, warnings)
-    WriteReport(report, args.out / "report.json")
-    WriteErrors(records, log.ground_truth, args.out / "errors.csv")
-    PlotErrors(records, log.ground_truth, args.out / "errors.png")
-    diagnostics = MakeDiagnostics(
-        scene=scene, joints=log.joints, record=records[0], config=config
+    records, interrupted = _track_all(args, scene, log, config)
+    tracked = TrackedLog(
+        scene=scene,
+        log=log,
+        filename=args.log,
+        config=config,
+        records=records,
+        warnings=model.warnings + log.warnings,
+        interrupted=interrupted,
     )
-    PlotDiagnostics(
-        records[0], diagnostics, log.ground_truth, args.out / "diagnostics.png"
-    )
-    SaveReplay(meshcat, args.out / "replay.html")
-    for warning in warnings:
-        print(f"Warning: {warning}")
-    print(FormatTable(report))
+    written = WriteOutputs(tracked, args.out)
+    _say(written, tracked.usage)
     print(f"Written to {args.out.resolve()}")
+    if interrupted:
+        print(
+            f"Interrupted after {len(records[0].times)} of "
+            f"{NumSteps(log, config)} updates: there are no plots, no video "
+            "and no replay"
+        )
+        raise KeyboardInterrupt
+    return written.failures
 
 
 def main(argv: list[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     args = _parse(argv)
-    return RunCommand("pbpf-track", lambda: run(args))
+    failures: list[str] = []
+    code = RunCommand("pbpf-track", lambda: failures.extend(run(args)))
+    return _INCOMPLETE if failures and not code else code
 
 
 if __name__ == "__main__":

@@ -81,11 +81,11 @@ from pbpf_drake.results.pose_errors import (
     rotation_error,
 )
 from pbpf_drake.results.report import (
-    FormatTable,
     MakeReport,
     WriteErrors,
     WriteReport,
 )
+from pbpf_drake.results.report_table import FormatTable
 from pbpf_drake.results.track_record import TrackRecord
 from pbpf_drake.scene.prediction_model import (
     MakePredictionModel,

@@ -12,6 +12,7 @@ import numpy as np
 from pydrake.geometry import Meshcat
 from pydrake.systems.framework import LeafSystem
 import pytest
+from track_fixtures import make_record
 import yaml
 
 import pbpf_drake
@@ -32,6 +33,7 @@ from pbpf_drake.log.dope_log_source import DopeLogSource
 from pbpf_drake.log.ground_truth_log_source import GroundTruthLogSource
 from pbpf_drake.log.joint_log_source import JointLogSource
 from pbpf_drake.scene.prediction_model import MakePredictionModel
+from pbpf_drake.tracking.track_replay import TrackRecordSource
 from pbpf_drake.views.estimate_recorder import EstimateRecorder
 from pbpf_drake.views.particle_visualizer import ParticleVisualizer
 
@@ -115,6 +117,9 @@ def _make(system: type[LeafSystem], folder: Path) -> LeafSystem:
             .diagram.plant()
             .num_multibody_states(),
             rng=np.random.default_rng(0),
+        ),
+        TrackRecordSource: lambda: TrackRecordSource(
+            record=make_record(), nominal_poses=np.ones((1, 7))
         ),
         TruePoseSource: lambda: TruePoseSource(
             plant=MakePredictionModel(scene).diagram.plant(),

@@ -52,7 +52,7 @@ ADDED = {
     # diagrams/paper/README.md
     "reproduce_tables": "--help",
     '.venv/bin/pip install ".[cluster]"': "--help",
-    ".venv/bin/dask scheduler": "--help",
+    ".venv/bin/dask scheduler --host 127.0.0.1": "--help",
     ".venv/bin/dask worker tcp://127.0.0.1:8786 --nworkers 8 --nthreads 1": (
         "--help"
     ),

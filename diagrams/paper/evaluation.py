@@ -33,8 +33,8 @@ from pbpf_drake.results.pose_metrics import (
     add_error,
     add_s_error,
     mssd_error,
-    symmetric_rotation_error,
 )
+from pbpf_drake.results.symmetric_error import symmetric_rotation_error
 from pbpf_drake.results.track_record import TrackRecord
 from pbpf_drake.scene.object_points import MakeObjectPoints
 from pbpf_drake.scene.prediction_model import MakePredictionModel

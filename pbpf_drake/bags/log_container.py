@@ -34,8 +34,8 @@ def OpenLogStream(
         limits: what a file may hold at most.
 
     Raises:
-        LogError: there is no such file, or it is no log; the message says
-            what it is.
+        LogError: there is no such file, it is no regular file (a pipe, say), or
+            it is no log; the message says what it is.
     """
 
     def open_file(file: Path) -> LogStream:
@@ -49,7 +49,8 @@ def OpenLogStream(
             open_file=open_file,
         )
     if filename.exists() and not filename.is_file():
-        raise LogError(f"{_EXPECTED}, but it is a pipe or a device")
+        # To read from a pipe may take for ever.
+        raise LogError(f"{_EXPECTED}, but it is no regular file")
     try:
         with filename.open("rb") as file:
             start = file.read(16)

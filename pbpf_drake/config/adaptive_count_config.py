@@ -8,6 +8,9 @@ from pbpf_drake.config.config_checks import (
     require_positive,
 )
 
+# A filter has at most so many particles (M).
+MAX_PARTICLES = 10_000
+
 
 @dataclass(kw_only=True)
 class AdaptiveCountConfig:
@@ -36,9 +39,11 @@ class AdaptiveCountConfig:
     def ValidateOrThrow(self, name: str) -> None:
         """Raises ValueError, naming the field, if a value is out of range."""
         prefix = f"{name}."
-        require_at_least(1, self, prefix, ("min_particles",))
+        require_at_least(
+            1, self, prefix, ("min_particles",), maximum=MAX_PARTICLES
+        )
         fits = 0 < self.confidence < 1
         require(fits, f"{name}.confidence", self.confidence, "in (0, 1)")
-        require_positive(
-            self, prefix, ("max_divergence", "bin_position", "bin_rotation")
-        )
+        require_positive(self, prefix, ("max_divergence",), maximum=1000)
+        bins = ("bin_position", "bin_rotation")
+        require_at_least(1e-6, self, prefix, bins, maximum=100)

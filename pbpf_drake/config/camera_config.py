@@ -1,13 +1,20 @@
 """The camera of a scene: where it is, and how it maps points to pixels."""
 
 from dataclasses import dataclass, field
-import math
 
-import numpy as np
 from pydrake.common.schema import Transform
 from pydrake.math import RigidTransform
 
-from pbpf_drake.config.config_checks import require, require_positive
+from pbpf_drake.config.config_checks import (
+    fixed_pose,
+    require,
+    require_positive,
+)
+
+# An image has at most so many pixels in a row or a column.
+_MAX_SIZE = 10_000
+# Focal lengths and the principal point are at most this (in pixels).
+_MAX_PIXELS = 1_000_000
 
 
 @dataclass(kw_only=True)
@@ -32,18 +39,13 @@ class CameraConfig:
 
     def ValidateOrThrow(self, name: str) -> None:
         """Raises ValueError, naming the field, if there is no such camera."""
-        for field_name in ("cx", "cy", "width", "height", "fx", "fy"):
-            value = getattr(self, field_name)
-            fits = math.isfinite(value)
-            require(fits, f"{name}.{field_name}", value, "a number")
-        require_positive(self, f"{name}.", ("width", "height", "fx", "fy"))
-        require(
-            not self.X_WC.base_frame,
-            f"{name}.X_WC.base_frame",
-            self.X_WC.base_frame,
-            "none: the pose is in the world",
-        )
-        if not self.X_WC.IsDeterministic():
-            raise ValueError(f"{name}.X_WC is random; expected one pose")
-        if not np.all(np.isfinite(self.pose().GetAsMatrix4())):
-            raise ValueError(f"{name}.X_WC is not finite")
+        prefix = f"{name}."
+        sizes, lengths = ("width", "height"), ("fx", "fy")
+        require_positive(self, prefix, sizes, maximum=_MAX_SIZE)
+        require_positive(self, prefix, lengths, maximum=_MAX_PIXELS)
+        for part in ("cx", "cy"):
+            value = getattr(self, part)
+            fits = -_MAX_PIXELS <= value <= _MAX_PIXELS
+            expected = f"a number from {-_MAX_PIXELS:,} to {_MAX_PIXELS:,}"
+            require(fits, f"{name}.{part}", value, expected)
+        fixed_pose(self.X_WC, f"{name}.X_WC")

@@ -3,11 +3,7 @@
 from dataclasses import dataclass, field
 import math
 
-from pbpf_drake.config.config_checks import (
-    require,
-    require_at_least,
-    require_positive,
-)
+from pbpf_drake.config.config_checks import require, require_at_least
 from pbpf_drake.config.distributions import PoseStddev, Range
 
 
@@ -81,8 +77,8 @@ class DetectorConfig:
 
     def ValidateOrThrow(self, name: str) -> None:
         """Raises ValueError, naming the field, if a value can't be used."""
-        require_positive(self, f"{name}.", ("period",))
-        require_at_least(0, self, f"{name}.", ("latency",))
+        require_at_least(1e-4, self, f"{name}.", ("period",), maximum=100)
+        require_at_least(0, self, f"{name}.", ("latency",), maximum=100)
         for part in "bias_position", "bias_rotation":
             getattr(self, part).ValidateOrThrow(f"{name}.{part}", or_zero=True)
         self.noise.ValidateOrThrow(f"{name}.noise")

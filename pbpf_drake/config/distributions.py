@@ -1,9 +1,16 @@
 """What random numbers are drawn from, as a configuration says it."""
 
 from dataclasses import dataclass
-import math
 
-from pbpf_drake.config.config_checks import require
+from pbpf_drake.config.config_checks import require, require_at_least
+
+# Larger values can only be a mistake, whatever their unit is ...
+_MAX_VALUE = 1_000_000
+# ... and so can larger deviations of a position (in meters) and of a rotation
+# (in radians).
+_MAX_STDDEV = {"position": 100, "rotation": 10}
+# Nothing is lighter, slipperier or less dissipative than this (in the SI unit).
+_SMALLEST = 1e-6
 
 
 @dataclass(kw_only=True)
@@ -16,14 +23,15 @@ class PoseStddev:
     rotation: float = 0.0
 
     def ValidateOrThrow(self, name: str, *, minimum: float = 0.0) -> None:
-        """Raises ValueError unless both are finite and above ``minimum``."""
-        for part in ("position", "rotation"):
-            value = getattr(self, part)
-            require(
-                math.isfinite(value) and value >= minimum,
-                f"{name}.{part}",
-                value,
-                f"a finite number of at least {minimum}",
+        """Raises ValueError unless both are in range.
+
+        Args:
+            name: of the field that has them.
+            minimum: the smallest deviation. The largest is 100 m or 10 rad.
+        """
+        for part, maximum in _MAX_STDDEV.items():
+            require_at_least(
+                minimum, self, f"{name}.", (part,), maximum=maximum
             )
 
 
@@ -37,11 +45,16 @@ class TruncatedGaussian:
 
     def ValidateOrThrow(self, name: str) -> None:
         """Raises ValueError for a value that no draw can be made from."""
-        for part in ("mean", "stddev", "min"):
-            value = getattr(self, part)
-            require(math.isfinite(value), f"{name}.{part}", value, "finite")
-        require(self.stddev >= 0, f"{name}.stddev", self.stddev, "at least 0")
-        require(self.min > 0, f"{name}.min", self.min, "more than 0")
+        require(
+            -_MAX_VALUE <= self.mean <= _MAX_VALUE,
+            f"{name}.mean",
+            self.mean,
+            f"a number from {-_MAX_VALUE:,} to {_MAX_VALUE:,}",
+        )
+        for part, minimum in (("stddev", 0), ("min", _SMALLEST)):
+            require_at_least(
+                minimum, self, f"{name}.", (part,), maximum=_MAX_VALUE
+            )
 
 
 @dataclass(kw_only=True)
@@ -52,7 +65,7 @@ class Range:
     max: float = 0.0
 
     def ValidateOrThrow(self, name: str, *, or_zero: bool = False) -> None:
-        """Raises ValueError unless 0 < min ≤ max < ∞.
+        """Raises ValueError unless 0 < min ≤ max ≤ 1,000,000.
 
         Args:
             name: of the field that has the range.
@@ -60,8 +73,8 @@ class Range:
         """
         is_positive = self.min > 0 or (or_zero and self.min == 0)
         require(
-            is_positive and self.min <= self.max < math.inf,
+            is_positive and self.min <= self.max <= _MAX_VALUE,
             name,
             (self.min, self.max),
-            f"0 {'<=' if or_zero else '<'} min <= max",
+            f"0 {'<=' if or_zero else '<'} min <= max <= {_MAX_VALUE:,}",
         )

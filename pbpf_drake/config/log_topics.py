@@ -11,7 +11,7 @@ import numpy as np
 from pydrake.common.schema import Transform
 from pydrake.math import RigidTransform
 
-from pbpf_drake.config.config_checks import require
+from pbpf_drake.config.config_checks import fixed_pose, require
 
 # Where either a topic or a tf frame can be named, a frame's name starts so.
 TF_PREFIX = "tf:"
@@ -88,7 +88,7 @@ class LogTopics:
         require(not is_frame(self.images), "images", self.images, "a topic")
         if not self.reference_frame:
             self._CheckNothingIsInTf()
-        self._CheckReferencePose()
+        fixed_pose(self.X_WR, "X_WR")
         for joint, coordinate in self.tf_joints.items():
             frame, _, axis = coordinate.rpartition(".")
             require(
@@ -128,12 +128,6 @@ class LogTopics:
                     f"{name} is {getattr(self, name)!r} and reference_frame is "
                     "empty; expected the frame in which tf is to be resolved"
                 )
-
-    def _CheckReferencePose(self) -> None:
-        if self.X_WR.base_frame or not self.X_WR.IsDeterministic():
-            raise ValueError("X_WR is not one pose in the world")
-        if not np.all(np.isfinite(self.ReferencePose().GetAsMatrix4())):
-            raise ValueError("X_WR is not finite")
 
 
 def _check_source(field_name: str, value: str) -> None:

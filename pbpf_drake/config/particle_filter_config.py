@@ -8,7 +8,10 @@ used, by ``ValidateOrThrow``.
 
 from dataclasses import dataclass, field
 
-from pbpf_drake.config.adaptive_count_config import AdaptiveCountConfig
+from pbpf_drake.config.adaptive_count_config import (
+    MAX_PARTICLES,
+    AdaptiveCountConfig,
+)
 from pbpf_drake.config.config_checks import (
     require,
     require_at_least,
@@ -20,6 +23,25 @@ from pbpf_drake.config.physical_parameters_config import (
 )
 
 METHODS = ("pbpf", "pbpf-v", "cvpf", "dope")
+
+# More than this can only be a mistake. It would take gigabytes, or hours.
+_MAX_COUNTS = {
+    "num_particles": MAX_PARTICLES,
+    "control_samples": 1_000,
+    "num_rays": 10_000,
+    "parallelism": 1_024,
+}
+_MAX_VALUES = {
+    "period": 3_600,  # In seconds.
+    "max_detection_age": 3_600,  # In seconds.
+    "max_speed": 1_000,  # In m/s.
+}
+# With shorter steps (in seconds and in meters) an update would never end.
+_MIN_TIME_STEP = 1e-4
+_MIN_TRAVEL = 1e-5
+# Rays of all particles to one object.
+_MAX_RAYS = 10_000_000
+_MAX_SEED = 2**63 - 1
 
 
 @dataclass(kw_only=True)
@@ -88,20 +110,20 @@ class ParticleFilterConfig:
 
     def ValidateOrThrow(self) -> None:
         """Raises ValueError, naming field, value and what was expected."""
-        counts = ("num_particles", "control_samples", "num_rays", "parallelism")
-        require_at_least(1, self, "", counts)
-        require_at_least(0, self, "", ("seed",))
-        require_positive(
-            self,
-            "",
-            (
-                "period",
-                "max_detection_age",
-                "max_speed",
-                "time_step",
-                "max_travel",
-            ),
+        for field_name, maximum in _MAX_COUNTS.items():
+            require_at_least(1, self, "", (field_name,), maximum=maximum)
+        require(
+            self.num_particles * self.num_rays <= _MAX_RAYS,
+            "num_rays",
+            self.num_rays,
+            f"at most {_MAX_RAYS // self.num_particles:,} with num_particles "
+            f"{self.num_particles:,}",
         )
+        require_at_least(0, self, "", ("seed",), maximum=_MAX_SEED)
+        for field_name, maximum in _MAX_VALUES.items():
+            require_positive(self, "", (field_name,), maximum=maximum)
+        require_at_least(_MIN_TIME_STEP, self, "", ("time_step",), maximum=1)
+        require_at_least(_MIN_TRAVEL, self, "", ("max_travel",), maximum=1)
         require(
             self.motion in ("physics", "constant_velocity"),
             "motion",

@@ -2,9 +2,13 @@
 
 from dataclasses import dataclass, field
 from itertools import pairwise
-import math
 
 from pbpf_drake.config.config_checks import require, require_at_least
+
+_MAX_WAYPOINTS = 10_000
+_MAX_TIME = 100_000
+# No arm moves its end effector farther (in meters).
+_MAX_WAY = 100
 
 
 @dataclass(kw_only=True)
@@ -42,17 +46,20 @@ class PathConfig:
         )
         times = [w.time for w in self.waypoints]
         require(
-            len(times) >= 2 and all(b > a for a, b in pairwise(times)),
+            2 <= len(times) <= _MAX_WAYPOINTS
+            and all(b > a for a, b in pairwise(times))
+            and max(map(abs, times)) <= _MAX_TIME,
             f"{name}.waypoints",
             times,
-            "at least two, their times increasing",
+            f"from 2 to {_MAX_WAYPOINTS:,}, their times increasing and at most "
+            f"{_MAX_TIME:,} s",
         )
         for i, waypoint in enumerate(self.waypoints):
             require(
                 len(waypoint.translation) == 3
-                and all(math.isfinite(x) for x in waypoint.translation),
+                and all(abs(x) <= _MAX_WAY for x in waypoint.translation),
                 f"{name}.waypoints[{i}].translation",
                 waypoint.translation,
-                "three finite numbers",
+                f"three numbers from {-_MAX_WAY} to {_MAX_WAY} m",
             )
-        require_at_least(0, self, f"{name}.", ("stddev",))
+        require_at_least(0, self, f"{name}.", ("stddev",), maximum=100)

@@ -6,16 +6,28 @@ detector's errors are the truth's own. Values are checked when they are used, by
 """
 
 from dataclasses import dataclass, field
-import math
 
 from pbpf_drake.config.config_checks import (
     require,
     require_at_least,
-    require_positive,
 )
 from pbpf_drake.config.detector_config import DetectorConfig
 from pbpf_drake.config.distributions import PoseStddev, Range
 from pbpf_drake.config.path_config import PathConfig
+
+# The smallest and the largest value of a field. What is outside can only be a
+# mistake: it would take gigabytes, or hours.
+_RANGES = {
+    "duration": (1e-3, 100_000),
+    "time_step": (1e-5, 1),
+    "joint_period": (1e-4, 100),
+    "ground_truth_period": (1e-4, 100),
+    "hydroelastic_modulus": (1, 1e15),
+    "mesh_resolution": (0.01, 100),
+    "seed": (0, 2**63 - 1),
+    "dissipation": (0, 1_000_000),
+}
+_MAX_GAIN = 1_000_000_000
 
 
 @dataclass(kw_only=True)
@@ -66,29 +78,18 @@ class RecordingConfig:
 
     def ValidateOrThrow(self, name: str = "recording") -> None:
         """Raises ValueError, naming field, value and what was expected."""
-        require_positive(
-            self,
-            f"{name}.",
-            (
-                "duration",
-                "time_step",
-                "joint_period",
-                "ground_truth_period",
-                "hydroelastic_modulus",
-                "mesh_resolution",
-            ),
-        )
-        require_at_least(0, self, f"{name}.", ("seed", "dissipation"))
+        for field_name, (low, high) in _RANGES.items():
+            require_at_least(low, self, f"{name}.", (field_name,), maximum=high)
         self.start_stddev.ValidateOrThrow(f"{name}.start_stddev")
         for part in ("mass_scale", "friction", "robot_friction"):
             getattr(self, part).ValidateOrThrow(f"{name}.{part}")
         for part in ("stiffness", "damping"):
             values = getattr(self, part)
             require(
-                all(0 < x < math.inf for x in values),
+                all(0 < x <= _MAX_GAIN for x in values),
                 f"{name}.{part}",
                 values,
-                "only positive numbers",
+                f"numbers above 0 and up to {_MAX_GAIN:,}",
             )
         self.path.ValidateOrThrow(f"{name}.path")
         self.detector.ValidateOrThrow(f"{name}.detector")

@@ -13,11 +13,13 @@ from pydrake.common.yaml import yaml_dump, yaml_load, yaml_load_typed
 from pydrake.multibody.parsing import ModelDirective
 
 from pbpf_drake.config.camera_config import CameraConfig
+from pbpf_drake.config.config_checks import one_line
 from pbpf_drake.config.log_topics import PRESETS, LogTopics
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.recording_config import RecordingConfig
 from pbpf_drake.config.symmetry import SymmetryConfig
 from pbpf_drake.config.visibility_config import VisibilityConfig
+from pbpf_drake.config.yaml_checks import CheckYamlFile
 
 
 @dataclass(kw_only=True)
@@ -122,15 +124,19 @@ def LoadScene(filename: str | Path) -> Scene:
         ValueError: the file isn't a scene; the message names file and field.
     """
     path = Path(filename).expanduser().resolve()
-    if not path.is_file():
+    if not path.exists() or path.is_dir():
         raise FileNotFoundError(f"There is no scene file {path}")
+    try:
+        CheckYamlFile(path)
+    except ValueError as error:
+        raise ValueError(f"Scene file {path}: {error}") from error
     try:
         scene = yaml_load_typed(
             schema=Scene, filename=str(path), defaults=_defaults(path)
         )
     except Exception as error:
         where = ": ".join(filter(None, (str(path), _bad_field(path))))
-        raise ValueError(f"Scene file {where}: {error}") from error
+        raise ValueError(f"Scene file {where}: {one_line(error)}") from error
     scene.path = str(path)
     try:
         scene.ValidateOrThrow()

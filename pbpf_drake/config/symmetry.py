@@ -7,6 +7,9 @@ import numpy as np
 from pbpf_drake.config.config_checks import require, require_at_least
 from pbpf_drake.poses.quaternions import from_rotation_vector
 
+# From here on, a prism is as good as a can.
+_MAX_ORDER = 1_000
+
 
 @dataclass(kw_only=True)
 class SymmetryConfig:
@@ -24,14 +27,15 @@ class SymmetryConfig:
     def ValidateOrThrow(self, name: str) -> None:
         """Raises ValueError, naming the field, if a value can't be used."""
         axis = np.asarray(self.axis, dtype=float)
-        is_axis = len(axis) == 3 and np.all(np.isfinite(axis)) and axis.any()
+        longest = np.max(np.abs(axis), initial=0.0)
+        is_axis = len(axis) == 3 and 1e-6 <= longest <= 1e6
         require(
             bool(axis.size == 0 or is_axis),
             f"{name}.axis",
             self.axis,
-            "three numbers that are not all 0, or none",
+            "three numbers up to 1e6 that are not all 0, or none",
         )
-        require_at_least(0, self, f"{name}.", ("order",))
+        require_at_least(0, self, f"{name}.", ("order",), maximum=_MAX_ORDER)
         if self.order and not self.axis:
             raise ValueError(
                 f"{name}.order is {self.order!r}, but there is no axis; "

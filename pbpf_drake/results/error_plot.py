@@ -5,7 +5,8 @@ error below. Grey spans have no detection. The band in a line's color ends at
 two standard deviations of the particles: where a line leaves its band, the
 error is larger than its filter believes. Position errors beyond one and a half
 times the extent of the true motion are cut off, and their peaks are written
-out: a pose that never changes would do better.
+out: a pose that never changes would do better. Of an object with a symmetry,
+the thick line is the rotation error up to it, and the thin one the raw error.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,6 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 import numpy as np
 
+from pbpf_drake.config.symmetry import SymmetryConfig
 from pbpf_drake.log.log_records import PoseRecord
 from pbpf_drake.results.plot_style import (
     HIDDEN_COLOR,
@@ -32,6 +34,7 @@ from pbpf_drake.results.pose_errors import (
     position_stddev,
     rotation_stddev,
 )
+from pbpf_drake.results.report import NO_SYMMETRIES, Symmetries
 from pbpf_drake.results.track_record import TrackRecord
 
 
@@ -39,19 +42,23 @@ def PlotErrors(
     records: Sequence[TrackRecord],
     ground_truth: Mapping[str, PoseRecord],
     filename: str | Path,
+    symmetries: Symmetries = NO_SYMMETRIES,
 ) -> None:
     """Writes what MakeErrorFigure draws; the file's ending is the format."""
-    MakeErrorFigure(records, ground_truth).savefig(filename)
+    MakeErrorFigure(records, ground_truth, symmetries).savefig(filename)
 
 
 def MakeErrorFigure(
-    records: Sequence[TrackRecord], ground_truth: Mapping[str, PoseRecord]
+    records: Sequence[TrackRecord],
+    ground_truth: Mapping[str, PoseRecord],
+    symmetries: Symmetries = NO_SYMMETRIES,
 ) -> Figure:
     """Draws the errors of all records.
 
     Args:
         records: one per run on the same log; methods may repeat.
         ground_truth: by name of the tracked model; may lack some or all.
+        symmetries: of objects, by name; others have none.
 
     Returns:
         The figure, with axes in rows of a column per object.
@@ -62,7 +69,13 @@ def MakeErrorFigure(
     figure.set_layout_engine("constrained")
     axes = figure.subplots(2, len(names), sharex=True, squeeze=False)
     for column, name in enumerate(names):
-        _draw_object(axes[:, column], records, name, ground_truth.get(name))
+        _draw_object(
+            axes[:, column],
+            [r for r in records if name in r.object_names],
+            name,
+            ground_truth.get(name),
+            symmetries.get(name),
+        )
     axes[0, 0].set_ylabel("position error [cm]")
     axes[1, 0].set_ylabel("rotation error [rad]")
     _add_legend(figure, records)
@@ -74,31 +87,45 @@ def _draw_object(
     records: Sequence[TrackRecord],
     name: str,
     truth: PoseRecord | None,
+    symmetry: SymmetryConfig | None,
 ) -> None:
     """Fills one column: position error above, rotation error below."""
-    records = [r for r in records if name in r.object_names]
     axes[0].set_title(name, fontweight="bold")
     axes[1].set_xlabel("time [s]")
     axes[1].set_xlim(0.0, max(np.max(r.times, initial=0.1) for r in records))
-    errors = [compute_errors(r, name, truth) for r in records]
+    errors = [compute_errors(r, name, truth, symmetry) for r in records]
     extent = 0.0
     if truth is not None:
         extent = float(np.linalg.norm(np.ptp(truth.p_WO, axis=0)))
     rows = (
         ([100 * e.position for e in errors], 100, position_stddev),
-        ([e.rotation for e in errors], 1, rotation_stddev),
+        ([e.symmetric_rotation for e in errors], 1, rotation_stddev),
     )
+    raw = [e.rotation for e in errors]
+    if symmetry is not None and symmetry.axis:
+        _draw_raw_lines(axes[1], records, raw)
     for ax, (lines, scale, stddev) in zip(axes, rows, strict=True):
         bands = [2 * scale * stddev(r, name) for r in records]
         for record, line, band in zip(records, lines, bands, strict=True):
             _draw_line(ax, record, line, band)
         shade_hidden(ax, records[0], name)
         decorate(ax, "the log has no ground truth" if truth is None else "")
-        peaks = np.array([np.nanmax(x, initial=0.0) for x in lines])
+        shown = raw if ax is axes[1] else lines
+        peaks = np.array([np.nanmax(x, initial=0.0) for x in shown])
         limit = max(1.5 * scale * extent, 4 * peaks.min())
         _limit_axis(ax, peaks, bands, np.pi if ax is axes[1] else limit)
         if ax is axes[0]:
             _name_cut_lines(ax, [r.method for r in records], peaks)
+
+
+def _draw_raw_lines(
+    ax: Axes, records: Sequence[TrackRecord], errors: Sequence[np.ndarray]
+) -> None:
+    """Draws rotation errors that don't respect the object's symmetry."""
+    for record, line in zip(records, errors, strict=True):
+        color, dashes = style_of(record.method)
+        ax.plot(record.times, line, color=color, linestyle=dashes, lw=0.6)
+    ax.set_title("thick: up to its symmetry, thin: raw", fontsize="small")
 
 
 def _draw_line(

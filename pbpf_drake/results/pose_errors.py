@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pbpf_drake.config.symmetry import SymmetryConfig
 from pbpf_drake.log.log_records import PoseRecord
 from pbpf_drake.log.pose_interpolation import interpolate_poses
 from pbpf_drake.poses.quaternions import angle_between, conjugate
+from pbpf_drake.results.symmetric_error import symmetric_rotation_error
 from pbpf_drake.results.track_record import TrackRecord
 
 
@@ -38,14 +40,21 @@ class ErrorTrace:
     Attributes:
         position: (N,) position errors (in meters), NaN where unknown.
         rotation: (N,) rotation errors (in radians), NaN where unknown.
+        symmetric_rotation: (N,) the same up to the object's symmetry: the
+            smallest angle to a rotation that looks like the true one. Without
+            a symmetry it is ``rotation``.
     """
 
     position: np.ndarray
     rotation: np.ndarray
+    symmetric_rotation: np.ndarray
 
 
 def compute_errors(
-    record: TrackRecord, name: str, truth: PoseRecord | None
+    record: TrackRecord,
+    name: str,
+    truth: PoseRecord | None,
+    symmetry: SymmetryConfig | None = None,
 ) -> ErrorTrace:
     """Compares one object's estimates with the ground truth.
 
@@ -56,13 +65,18 @@ def compute_errors(
         record: what the estimator produced.
         name: one of the record's objects.
         truth: the object's ground truth, or None where there is none.
+        symmetry: of the object, if it has any.
     """
     known, X, X_ref = comparable_poses(record, name, truth)
     position = np.full(len(record.times), np.nan)
     rotation = np.full(len(record.times), np.nan)
+    symmetric = np.full(len(record.times), np.nan)
+    q, q_ref = X[:, :4], X_ref[:, :4]
     position[known] = position_error(X[:, 4:], X_ref[:, 4:])
-    rotation[known] = rotation_error(X[:, :4], X_ref[:, :4])
-    return ErrorTrace(position, rotation)
+    rotation[known] = symmetric[known] = rotation_error(q, q_ref)
+    if symmetry is not None and symmetry.axis:
+        symmetric[known] = symmetric_rotation_error(q, q_ref, symmetry)
+    return ErrorTrace(position, rotation, symmetric)
 
 
 def comparable_poses(

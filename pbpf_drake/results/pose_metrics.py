@@ -14,7 +14,6 @@ from scipy.spatial import cKDTree
 
 from pbpf_drake.config.symmetry import SymmetryConfig
 from pbpf_drake.poses.quaternions import (
-    angle_between,
     conjugate,
     from_rotation_vector,
     multiply,
@@ -26,31 +25,6 @@ _NUM_TURNS = 64
 # So many distances are computed at a time, so that a long log doesn't fill the
 # memory.
 _CHUNK = 300_000
-
-
-def symmetric_rotation_error(
-    q: np.ndarray, q_ref: np.ndarray, symmetry: SymmetryConfig
-) -> np.ndarray:
-    """Returns the smallest angle to a rotation that looks like the true one.
-
-    Args:
-        q: (..., 4) estimated unit quaternions w, x, y, z.
-        q_ref: (..., 4) true ones, in the same frame.
-        symmetry: of the object.
-
-    Returns:
-        (...), in [0, pi] (in radians).
-    """
-    d = multiply(conjugate(q_ref), q)
-    if symmetry.is_continuous():
-        along = d[..., 1:] @ symmetry.unit_axis()
-        # The rest of d, without its turn about the axis.
-        across = np.linalg.norm(
-            np.cross(d[..., 1:], symmetry.unit_axis()), axis=-1
-        )
-        return 2 * np.arctan2(across, np.hypot(d[..., 0], along))
-    turns = symmetry.turns(_NUM_TURNS)
-    return np.min(angle_between(d[..., None, :], turns), axis=-1)
 
 
 def add_error(

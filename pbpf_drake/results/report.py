@@ -1,4 +1,4 @@
-"""What came out of a run, in numbers: report.json, errors.csv and a table.
+"""What came out of a run, in numbers: report.json and errors.csv.
 
 Errors are those of Section 2 of the paper, against the log's ground truth,
 over the updates where the object is tracked and its truth is known.
@@ -13,9 +13,19 @@ from typing import Any
 
 import numpy as np
 
+from pbpf_drake.config.symmetry import SymmetryConfig
 from pbpf_drake.log.log_records import PoseRecord
-from pbpf_drake.results.pose_errors import compute_errors, position_stddev
+from pbpf_drake.results.input_usage import UsageRow, usage_entries
+from pbpf_drake.results.pose_errors import (
+    ErrorTrace,
+    compute_errors,
+    position_stddev,
+)
 from pbpf_drake.results.track_record import TrackRecord
+
+# Symmetries of objects, by their names.
+Symmetries = Mapping[str, SymmetryConfig]
+NO_SYMMETRIES: Symmetries = {}
 
 _CSV_COLUMNS = (
     "time",
@@ -26,23 +36,7 @@ _CSV_COLUMNS = (
     "detected",
     "effective_sample_size",
     "position_stddev_m",
-)
-_ERROR_COLUMNS = ("mean", "std", "median", "end")
-_TIME_COLUMNS = ("median", "p95", "max")
-_COLUMNS = (
-    "object",
-    "method",
-    *_ERROR_COLUMNS,
-    *_ERROR_COLUMNS,
-    "detected",
-    *_TIME_COLUMNS,
-    "late",
-)
-# Titles over groups of the table's columns, from the first to the last.
-_GROUPS = (
-    ("position error [m]", 2, 5),
-    ("rotation error [rad]", 6, 9),
-    ("update [ms]", 11, 13),
+    "rotation_error_up_to_symmetry_rad",
 )
 
 
@@ -50,6 +44,10 @@ def MakeReport(
     records: Sequence[TrackRecord],
     ground_truth: Mapping[str, PoseRecord],
     warnings: Sequence[str] = (),
+    *,
+    symmetries: Symmetries = NO_SYMMETRIES,
+    usage: Sequence[UsageRow] = (),
+    interrupted: bool = False,
 ) -> dict[str, Any]:
     """Summarizes the runs of one or more methods on one log.
 
@@ -57,72 +55,78 @@ def MakeReport(
         records: one per run; methods may repeat with other seeds.
         ground_truth: by name of the tracked model; may lack some or all.
         warnings: sentences on what of the log was left out.
+        symmetries: of objects, by name; others have none.
+        usage: how much of the input was used, see input_usage.
+        interrupted: whether only a part of the log was tracked.
 
     Returns:
-        What report.json holds: ``warnings`` and a list ``runs``. A run has
+        What report.json holds: ``warnings``, ``interrupted``, ``input``, a list
+        with ``source``, ``object``, ``read``, ``used`` and ``left_out`` (by
+        reason), and a list ``runs``. A run has
         ``method``, ``seed``, ``steps``, ``particles``, ``particles_used`` (the
         mean), ``update_time_ms`` (median, p95, max), ``late_updates`` (that
         took longer than the period), ``config`` and, by name of the object,
         ``objects``:
-        ``position_error_m`` and ``rotation_error_rad`` (mean, std, median,
-        end: that of the last compared step), ``compared_steps`` and
-        ``detected_share`` (of all steps). Unknown numbers are None.
+        ``position_error_m``, ``rotation_error_rad`` and
+        ``rotation_error_up_to_symmetry_rad`` (mean, std, median, end: that of
+        the last compared step), ``symmetry`` (axis and order; None without
+        one), ``compared_steps`` and ``detected_share`` (of all steps). Unknown
+        numbers are None.
     """
     return {
-        "runs": [_summarize_run(r, ground_truth) for r in records],
+        "runs": [_summarize_run(r, ground_truth, symmetries) for r in records],
+        "input": usage_entries(usage),
         "warnings": list(warnings),
+        "interrupted": interrupted,
     }
 
 
 def WriteReport(report: Mapping[str, Any], filename: str | Path) -> None:
-    """Writes what MakeReport returned as report.json."""
+    """Writes what MakeReport returned as report.json.
+
+    Where there is one already, it is replaced at once: at no time is there half
+    a report.
+    """
     text = json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False)
-    Path(filename).write_text(text + "\n", encoding="utf-8")
+    path = Path(filename)
+    part = path.with_name(f"{path.name}.part")
+    part.write_text(text + "\n", encoding="utf-8")
+    part.replace(path)
 
 
 def WriteErrors(
     records: Sequence[TrackRecord],
     ground_truth: Mapping[str, PoseRecord],
     filename: str | Path,
+    symmetries: Symmetries = NO_SYMMETRIES,
 ) -> None:
     """Writes errors.csv: one row per run, object and update.
 
     The columns are time (in seconds), object, method, position_error_m,
-    rotation_error_rad, detected (0 or 1), effective_sample_size and
-    position_stddev_m, the spread of the particles. A cell is empty where the
-    number is unknown.
+    rotation_error_rad, detected (0 or 1), effective_sample_size,
+    position_stddev_m, the spread of the particles, and
+    rotation_error_up_to_symmetry_rad. A cell is empty where the number is
+    unknown.
+
+    Args:
+        records, ground_truth, symmetries: see MakeReport.
+        filename: the file to write.
     """
     with open(filename, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(_CSV_COLUMNS)
         for record in records:
             for name in record.object_names:
-                writer.writerows(_error_rows(record, name, ground_truth))
-
-
-def FormatTable(report: Mapping[str, Any]) -> str:
-    """Returns the report as a plain-text table, grouped by object.
-
-    Args:
-        report: what MakeReport returned.
-    """
-    names = dict.fromkeys(n for r in report["runs"] for n in r["objects"])
-    rows = [
-        _table_row(name, run)
-        for name in names
-        for run in report["runs"]
-        if name in run["objects"]
-    ]
-    widths = [
-        max(map(len, cells)) for cells in zip(_COLUMNS, *rows, strict=True)
-    ]
-    lines = [_group_titles(widths), _align(_COLUMNS, widths)]
-    lines.append("  ".join("-" * width for width in widths))
-    return "\n".join(lines + [_align(row, widths) for row in rows])
+                errors = compute_errors(
+                    record, name, ground_truth.get(name), symmetries.get(name)
+                )
+                writer.writerows(_error_rows(record, name, errors))
 
 
 def _summarize_run(
-    record: TrackRecord, ground_truth: Mapping[str, PoseRecord]
+    record: TrackRecord,
+    ground_truth: Mapping[str, PoseRecord],
+    symmetries: Symmetries,
 ) -> dict[str, Any]:
     milliseconds = np.asarray(record.update_ms, dtype=float)
     return {
@@ -138,7 +142,9 @@ def _summarize_run(
         },
         "late_updates": int(np.sum(milliseconds > 1e3 * record.period)),
         "objects": {
-            name: _summarize_object(record, name, ground_truth.get(name))
+            name: _summarize_object(
+                record, name, ground_truth.get(name), symmetries.get(name)
+            )
             for name in record.object_names
         },
         "config": _plain(record.config),
@@ -146,13 +152,20 @@ def _summarize_run(
 
 
 def _summarize_object(
-    record: TrackRecord, name: str, truth: PoseRecord | None
+    record: TrackRecord,
+    name: str,
+    truth: PoseRecord | None,
+    symmetry: SymmetryConfig | None,
 ) -> dict[str, Any]:
-    errors = compute_errors(record, name, truth)
+    errors = compute_errors(record, name, truth, symmetry)
     detected = record.detected[:, record.object_names.index(name)]
     return {
         "position_error_m": _statistics(errors.position),
         "rotation_error_rad": _statistics(errors.rotation),
+        "rotation_error_up_to_symmetry_rad": _statistics(
+            errors.symmetric_rotation
+        ),
+        "symmetry": _plain(symmetry) if symmetry and symmetry.axis else None,
         "compared_steps": int(np.isfinite(errors.position).sum()),
         "detected_share": _number(detected.astype(float), np.mean),
     }
@@ -193,9 +206,8 @@ def _plain(value: Any) -> Any:
 
 
 def _error_rows(
-    record: TrackRecord, name: str, ground_truth: Mapping[str, PoseRecord]
+    record: TrackRecord, name: str, errors: ErrorTrace
 ) -> list[list[str]]:
-    errors = compute_errors(record, name, ground_truth.get(name))
     detected = record.detected[:, record.object_names.index(name)]
     spread = position_stddev(record, name)
     sample_size = np.where(
@@ -211,43 +223,11 @@ def _error_rows(
             str(int(detected[i])),
             _cell(sample_size[i], ".3f"),
             _cell(spread[i], ".6f"),
+            _cell(errors.symmetric_rotation[i], ".6f"),
         ]
         for i in range(len(record.times))
     ]
 
 
-def _group_titles(widths: Sequence[int]) -> str:
-    """Returns the line above the columns' names: a title over each group."""
-    ends = np.cumsum(np.array(widths) + 2)
-    line = ""
-    for title, first, last in _GROUPS:
-        start = ends[first] - 2 - widths[first]
-        line = line.ljust(start) + title.center(ends[last] - 2 - start)
-    return line.rstrip()
-
-
-def _align(cells: Sequence[str], widths: Sequence[int]) -> str:
-    """Returns one line: names to the left, numbers to the right."""
-    names = [c.ljust(w) for c, w in zip(cells[:2], widths, strict=False)]
-    numbers = zip(cells[2:], widths[2:], strict=True)
-    return "  ".join(names + [c.rjust(w) for c, w in numbers])
-
-
-def _table_row(name: str, run: Mapping[str, Any]) -> list[str]:
-    summary, update = run["objects"][name], run["update_time_ms"]
-    position = summary["position_error_m"]
-    rotation = summary["rotation_error_rad"]
-    return [
-        name,
-        run["method"],
-        *(_cell(position[k], ".3f", "-") for k in _ERROR_COLUMNS),
-        *(_cell(rotation[k], ".3f", "-") for k in _ERROR_COLUMNS),
-        _cell(summary["detected_share"], ".0%", "-"),
-        *(_cell(update[k], ".1f", "-") for k in _TIME_COLUMNS),
-        str(run["late_updates"]),
-    ]
-
-
-def _cell(value: float | None, form: str, unknown: str = "") -> str:
-    known = value is not None and np.isfinite(value)
-    return format(value, form) if known else unknown
+def _cell(value: float, form: str) -> str:
+    return format(value, form) if np.isfinite(value) else ""

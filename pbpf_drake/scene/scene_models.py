@@ -17,7 +17,10 @@ from pydrake.multibody.tree import (
     RigidBody,
 )
 
+from pbpf_drake.config.config_checks import one_line
 from pbpf_drake.config.scene_config import Scene
+from pbpf_drake.scene.directive_checks import CheckDirectiveFiles
+from pbpf_drake.scene.drake_log import EachMessageOnce
 from pbpf_drake.scene.mesh_models import AddMeshModel, IsMeshModel
 from pbpf_drake.scene.model_packages import AddAmentPackages, AddScenePackages
 from pbpf_drake.scene.scene_directives import MakeReadable
@@ -79,7 +82,8 @@ def MakePackageMap(scene: Scene) -> PackageMap:
 def AddSceneModels(plant: MultibodyPlant, scene: Scene) -> SceneModels:
     """Adds the scene's models to a plant that is not finalized yet.
 
-    What is left out is said in Python's log, once.
+    What is left out is said in Python's log, once; what Drake warns of, once
+    for each model file.
 
     Raises:
         ValueError: a model can't be parsed (a file is missing, say), the
@@ -99,17 +103,20 @@ def AddSceneModels(plant: MultibodyPlant, scene: Scene) -> SceneModels:
 def _parse_models(plant: MultibodyPlant, scene: Scene) -> list[str]:
     """Parses all models into a plant; returns what was left out."""
     packages = MakePackageMap(scene)
+    CheckDirectiveFiles(scene.directives, packages, Path(scene.path).parent)
     readable = MakeReadable(scene, packages)
     parser = Parser(plant)
     parser.package_map().AddMap(packages)
     meshes = [d for d in readable.directives if IsMeshModel(d)]
     others = [d for d in readable.directives if not IsMeshModel(d)]
     try:
-        for directive in meshes:
-            AddMeshModel(plant, directive, packages)
-        ProcessModelDirectives(ModelDirectives(directives=others), parser)
-    except Exception as error:
-        message = readable.models.OriginalNames(str(error))
+        with EachMessageOnce():
+            for directive in meshes:
+                AddMeshModel(plant, directive, packages)
+            ProcessModelDirectives(ModelDirectives(directives=others), parser)
+    except (Exception, SystemExit) as error:
+        # Drake ends the program where one of its assertions fails.
+        message = readable.models.OriginalNames(one_line(error))
         raise ValueError(message) from error
     return readable.models.warnings
 

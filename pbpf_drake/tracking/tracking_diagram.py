@@ -1,31 +1,24 @@
 """Runs an estimator on a log, in a Drake simulation."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from pydrake.common.schema import Transform
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import (
-    Context,
-    Diagram,
-    DiagramBuilder,
-    OutputPort,
-    System,
-)
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.connect_ports import ConnectByName
 from pbpf_drake.filtering.add_estimator import AddEstimator
 from pbpf_drake.filtering.add_particle_filter import ConfigForMethod
-from pbpf_drake.log.ground_truth_log_source import GroundTruthLogSource
 from pbpf_drake.log.log_records import Log
 from pbpf_drake.poses.pose_conversion import pose_array
 from pbpf_drake.results.track_record import TrackRecord
 from pbpf_drake.tracking.add_log_sources import AddLogSources
-from pbpf_drake.views.particle_visualizer import AddParticleVisualizer
+from pbpf_drake.tracking.add_log_visualizer import AddLogVisualizer
 
 
 @dataclass
@@ -41,6 +34,19 @@ class TrackingDiagram:
     diagram: Diagram
     estimator: System
     update_seconds: list[float] = field(default_factory=list)
+
+
+class TrackInterrupted(KeyboardInterrupt):
+    """Tracking was interrupted after one update or more.
+
+    Attributes:
+        record: the updates that were complete by then.
+    """
+
+    def __init__(self, record: TrackRecord):
+        """Keeps the record."""
+        super().__init__()
+        self.record = record
 
 
 def MakeTrackingDiagram(
@@ -78,7 +84,14 @@ def MakeTrackingDiagram(
     )
     ConnectByName(builder=builder, sources=sources, target=estimator)
     if meshcat is not None:
-        _AddVisualizer(builder, scene, log, estimator, sources, meshcat)
+        AddLogVisualizer(
+            builder=builder,
+            scene=scene,
+            log=log,
+            filter=estimator,
+            sources=sources,
+            meshcat=meshcat,
+        )
     return TrackingDiagram(builder.Build(), estimator, seconds)
 
 
@@ -103,6 +116,8 @@ def Track(
     Raises:
         ValueError: the log is shorter than a period, or see
             MakeTrackingDiagram.
+        TrackInterrupted: an interruption (KeyboardInterrupt), with what there
+            was by then, if there was anything.
     """
     config = config or DefaultConfig(scene, method)
     num_steps = NumSteps(log, config)
@@ -120,14 +135,21 @@ def Track(
     )
     simulator = Simulator(tracking.diagram)
     context = tracking.estimator.GetMyContextFromRoot(simulator.get_context())
-    rows = []
-    simulator.Initialize()
-    for step in range(1, num_steps + 1):
-        # An update at t is done when the simulator goes on from t.
-        simulator.AdvanceTo((step + 0.5) * config.period)
-        rows.append(_ReadPorts(tracking.estimator, context))
-        if on_step:
-            on_step()
+    rows: list[dict[str, np.ndarray]] = []
+    try:
+        simulator.Initialize()
+        for step in range(1, num_steps + 1):
+            # An update at t is done when the simulator goes on from t.
+            simulator.AdvanceTo((step + 0.5) * config.period)
+            rows.append(_ReadPorts(tracking.estimator, context))
+            if on_step:
+                on_step()
+    except KeyboardInterrupt as error:
+        if not rows:
+            raise
+        seconds = tracking.update_seconds
+        record = _MakeRecord(scene, method, config, rows, seconds)
+        raise TrackInterrupted(record) from error
     return _MakeRecord(scene, method, config, rows, tracking.update_seconds)
 
 
@@ -149,33 +171,6 @@ def DefaultConfig(scene: Scene, method: str) -> ParticleFilterConfig:
 def NumSteps(log: Log, config: ParticleFilterConfig) -> int:
     """Returns how many updates there are within the log."""
     return int(log.duration / config.period + 1e-9)
-
-
-def _AddVisualizer(
-    builder: DiagramBuilder,
-    scene: Scene,
-    log: Log,
-    estimator: System,
-    sources: Mapping[str, OutputPort],
-    meshcat: Meshcat,
-) -> None:
-    """Draws all that is known, and the truth of the objects that have one."""
-    names = [n for n in scene.object_names() if n in log.ground_truth]
-    truth = None
-    if names:
-        truth = builder.AddNamedSystem(
-            "ground_truth_log_source",
-            GroundTruthLogSource(records=log.ground_truth, object_names=names),
-        ).GetOutputPort("ground_truth_poses")
-    AddParticleVisualizer(
-        builder=builder,
-        meshcat=meshcat,
-        scene=scene,
-        filter=estimator,
-        **sources,
-        ground_truth_poses=truth,
-        ground_truth_names=names,
-    )
 
 
 def _ReadPorts(estimator: System, context: Context) -> dict[str, np.ndarray]:

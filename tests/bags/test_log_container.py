@@ -1,5 +1,7 @@
 """The same log in every container is read as the same log."""
 
+import os
+
 from bag_fixtures import our_entries, write_mcap, write_ros1, write_ros2
 from log_fixtures import assert_same_log, make_small_log, read_small_log
 import pytest
@@ -69,3 +71,10 @@ def test_a_file_of_nothing_is_refused(tmp_path, name):
     path.write_bytes(b"")
     with pytest.raises(LogError, match="it is empty"):
         read_small_log(path)
+
+
+def test_a_pipe_is_refused_without_waiting_for_it(tmp_path):
+    path = tmp_path / "log.mcap"
+    os.mkfifo(path)
+    with pytest.raises(LogError, match="but it is no regular file"):
+        OpenLogStream(path)

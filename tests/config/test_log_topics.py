@@ -77,8 +77,14 @@ def test_without_a_preset_topics_are_ours(tmp_path):
             "{reference_frame: w, tf_joints: {x: tip.w}}",
             r"tf_joints\.x is 'tip\.w'",
         ),
-        ("{X_WR: {translation: [.nan, 0, 0]}}", r"topics\.X_WR is not finite"),
-        ("{X_WR: {base_frame: table}}", r"topics\.X_WR is not one pose"),
+        (
+            "{X_WR: {translation: [.nan, 0, 0]}}",
+            r"topics\.X_WR\.translation\[0\] in line \d+ is \.nan; expected ",
+        ),
+        (
+            "{X_WR: {base_frame: table}}",
+            r"topics\.X_WR.base_frame is .table.; expected none",
+        ),
     ],
 )
 def test_what_can_not_be_is_refused(tmp_path, topics, message):

@@ -1,4 +1,5 @@
 from dataclasses import replace
+import re
 
 from pydrake.common.yaml import yaml_load_typed
 import pytest
@@ -43,11 +44,25 @@ def test_defaults_are_the_papers():
         ("motion", ""),
         ("seed", -1),
         ("parallelism", 0),
+        # What would take gigabytes or hours.
+        ("num_particles", 10**9),
+        ("num_particles", 10**400),
+        ("num_rays", 10**9),
+        ("control_samples", 10**9),
+        ("parallelism", 10**9),
+        ("seed", 10**30),
+        ("time_step", 1e-12),
+        ("max_travel", 1e-12),
+        ("max_travel", NAN),
+        ("period", 1e200),
+        ("max_detection_age", 1e200),
+        ("max_speed", 1e200),
     ],
 )
 def test_a_bad_value_is_named_with_its_field(field, bad):
     config = replace(ParticleFilterConfig(), **{field: bad})
-    with pytest.raises(ValueError, match=rf"^{field} is {bad!r}; expected "):
+    shown = re.escape(repr(bad)[:60])
+    with pytest.raises(ValueError, match=rf"^{field} is {shown}…?; expected "):
         config.ValidateOrThrow()
 
 
@@ -55,11 +70,20 @@ def test_a_bad_value_is_named_with_its_field(field, bad):
     "field", ["process_noise", "detection_noise", "initial_noise"]
 )
 @pytest.mark.parametrize("part", ["position", "rotation"])
-@pytest.mark.parametrize("bad", [-0.1, NAN, INF])
+@pytest.mark.parametrize("bad", [-0.1, NAN, INF, 1e200])
 def test_a_bad_deviation_is_named_with_its_field(field, part, bad):
     stddev = replace(PoseStddev(position=0.1, rotation=0.1), **{part: bad})
     config = replace(ParticleFilterConfig(), **{field: stddev})
-    with pytest.raises(ValueError, match=rf"^{field}\.{part} is {bad!r}; exp"):
+    with pytest.raises(ValueError, match=rf"^{field}\.{part} is .*; expected"):
+        config.ValidateOrThrow()
+
+
+def test_rays_of_all_particles_are_limited():
+    config = ParticleFilterConfig(num_particles=10_000, num_rays=1_000)
+    config.ValidateOrThrow()
+    config = replace(config, num_rays=1_001)
+    expected = "num_rays is 1001; expected at most 1,000 with .* 10,000"
+    with pytest.raises(ValueError, match=expected):
         config.ValidateOrThrow()
 
 

@@ -23,6 +23,13 @@ def test_without_a_path_there_is_nothing_to_record():
     [
         ("duration", 0.0),
         ("duration", math.nan),
+        ("duration", 1e200),
+        ("time_step", 1e-12),
+        ("joint_period", 1e-12),
+        ("mass_scale", Range(min=0.5, max=1e200)),
+        ("stiffness", [1e200]),
+        ("path.waypoints", [Waypoint(time=0.0), Waypoint(time=1e200)]),
+        ("detector.period", 1e-12),
         ("seed", -1),
         ("time_step", 0.0),
         ("joint_period", -0.01),

@@ -82,7 +82,21 @@ def test_a_file_that_is_missing_is_named(tmp_path):
         ("cx: 311.145", "cx: .nan", r"camera\.cx is nan; expected"),
         ("width: 640", "width: 0", r"camera\.width is 0; expected"),
         ("height: 480", "height: 4.5", r"camera\.height: "),
-        ("[0.37, 0.0, 1.0]", "[.nan, 0, 0]", r"camera\.X_WC is not finite"),
+        (
+            "[0.37, 0.0, 1.0]",
+            "[.nan, 0, 0]",
+            r"camera\.X_WC\.translation\[0\] in line \d+ is \.nan; expected ",
+        ),
+        (
+            "[180.0, 0.0, 0.0]",
+            "[0, .nan, 0]",
+            r"camera\.X_WC\.rotation\.deg\[1\] in line \d+ is \.nan; expected ",
+        ),
+        (
+            "width: 640",
+            "width: 2000000000",
+            r"camera\.width is 2000000000; .* at most 10,000",
+        ),
         ("[0.37, 0.0, 1.0]", "[0, 0]", r"camera\.X_WC\.translation: "),
         (
             "[0.37, 0.0, 1.0]",
@@ -134,7 +148,7 @@ def test_what_is_wrong_is_named_with_file_and_field(
         ("filter: {process_noise: 0.1}", r"filter\.process_noise: "),
         (
             "filter: {physics: {mass: {min: 0}}}",
-            r"filter\.physics\.mass\.min is 0.0; expected more than 0",
+            r"filter\.physics\.mass\.min is 0.0; expected at least 1e-06",
         ),
         ("topics: {joint_names: [a]}", r"topics\.joint_names: "),
         ("recording: {duration: long}", r"recording\.duration: "),
@@ -166,3 +180,10 @@ def test_what_is_no_scene_at_all_is_refused_with_its_name(tmp_path, text):
     path.write_text(text)
     with pytest.raises(ValueError, match=r"Scene file .*my_scene\.yaml: "):
         LoadScene(path)
+
+
+def test_what_drake_says_of_a_file_is_in_one_line(tmp_path):
+    more = "recording: {path: {<<: [1]}}\n"
+    with pytest.raises(ValueError, match="expected a mapping") as error:
+        _load(tmp_path, more=more)
+    assert "\n" not in str(error.value)

@@ -37,7 +37,10 @@ def test_turns_of_a_can_are_evenly_spaced_and_keep_its_axis():
         ("axis", [0.0, 0.0, 0.0]),
         ("axis", [1.0]),
         ("axis", [np.nan, 0.0, 1.0]),
+        ("axis", [1e200, 0.0, 0.0]),
+        ("axis", [1e-200, 0.0, 0.0]),
         ("order", -1),
+        ("order", 10**9),
         ("order", 2),
     ],
 )

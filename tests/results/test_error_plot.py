@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from track_fixtures import make_record, make_truth
 
+from pbpf_drake.config.symmetry import SymmetryConfig
 from pbpf_drake.results.error_plot import MakeErrorFigure, PlotErrors
 
 GREEN = "#009e73"
@@ -43,6 +44,18 @@ def test_lines_are_the_errors_in_the_units_of_the_axes():
     np.testing.assert_allclose(errors, 5.0)
     np.testing.assert_allclose(_line(above, YELLOW)[1], 5.0 * times)
     np.testing.assert_allclose(_line(below, YELLOW)[1], 0.13 * times)
+
+
+def test_of_a_symmetric_object_the_thick_line_is_the_error_up_to_symmetry():
+    """The estimate is turned by 0.12 rad about y and by 0.05 rad about z."""
+    record, truth = make_record(), {"box": make_truth()}
+    can = {"box": SymmetryConfig(axis=[0.0, 1.0, 0.0])}
+    _, below = MakeErrorFigure([record], truth, can).axes
+    np.testing.assert_allclose(_line(below, GREEN)[1], 0.05, atol=1e-3)
+    (thin,) = [x for x in below.get_lines() if x.get_linewidth() == 0.6]
+    np.testing.assert_allclose(thin.get_ydata(), 0.13)
+    assert "up to its symmetry" in below.get_title()
+    assert below.get_ylim()[1] > 0.13
 
 
 def test_there_is_a_column_for_each_object_and_one_legend():

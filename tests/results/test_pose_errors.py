@@ -6,6 +6,7 @@ from pydrake.math import RotationMatrix
 import pytest
 from track_fixtures import make_record, make_truth
 
+from pbpf_drake.config.symmetry import SymmetryConfig
 from pbpf_drake.poses.quaternions import (
     from_rotation_vector,
     multiply,
@@ -50,6 +51,20 @@ def test_rotation_error_is_the_smaller_angle_whatever_the_signs(angle):
         np.testing.assert_allclose(
             rotation_error(p, p_ref), expected, rtol=1e-9, atol=1e-12
         )
+
+
+def test_errors_up_to_symmetry_leave_out_the_turn_about_the_axis():
+    record = make_record()
+    turn = from_rotation_vector(np.array([0.0, 1.4, 0.0]))
+    # The record's own turn is 0.12 rad about y and 0.05 rad about z.
+    record.poses[..., :4] = multiply(record.poses[..., :4], turn)
+    can = SymmetryConfig(axis=[0.0, 1.0, 0.0])
+    errors = compute_errors(record, "box", make_truth(), can)
+    assert np.all(errors.rotation > 1.3)
+    np.testing.assert_allclose(errors.symmetric_rotation, 0.05, atol=1e-3)
+    for symmetry in None, SymmetryConfig():
+        plain = compute_errors(record, "box", make_truth(), symmetry)
+        np.testing.assert_array_equal(plain.symmetric_rotation, plain.rotation)
 
 
 def test_errors_are_against_the_truth_at_the_time_of_the_update():

@@ -13,8 +13,8 @@ from pbpf_drake.results.pose_metrics import (
     add_s_error,
     area_under_curve,
     mssd_error,
-    symmetric_rotation_error,
 )
+from pbpf_drake.results.symmetric_error import symmetric_rotation_error
 
 NONE = SymmetryConfig()
 SQUARE = SymmetryConfig(axis=[0, 0, 1], order=4)
@@ -97,36 +97,6 @@ def test_mssd_does_not_depend_on_how_a_long_log_is_cut(poses, monkeypatch):
     whole = mssd_error(X, X_ref, points, CAN)
     monkeypatch.setattr("pbpf_drake.results.pose_metrics._CHUNK", 1)
     np.testing.assert_array_equal(mssd_error(X, X_ref, points, CAN), whole)
-
-
-def test_symmetric_rotation_error_is_the_smallest_over_all_turns(poses):
-    X, X_ref, _ = poses
-    found = symmetric_rotation_error(X[:, :4], X_ref[:, :4], CAN)
-    angles = np.linspace(0, 2 * np.pi, 5000)
-    turns = Rotation.from_rotvec(angles[:, None] * AXIS)
-    for i in range(COUNT):
-        turned = _rotation(X_ref[i]) * turns
-        every = (turned.inv() * _rotation(X[i])).magnitude()
-        assert found[i] <= every.min() + 1e-9
-        assert found[i] == pytest.approx(every.min(), abs=1e-3)
-
-
-def test_symmetric_rotation_error_counts_turns_that_can_be_counted(poses):
-    X, X_ref, _ = poses
-    found = symmetric_rotation_error(X[:, :4], X_ref[:, :4], SQUARE)
-    for i in range(COUNT):
-        turns = Rotation.from_rotvec(
-            np.outer(np.arange(4) * np.pi / 2, [0, 0, 1])
-        )
-        difference = (_rotation(X_ref[i]) * turns).inv() * _rotation(X[i])
-        assert found[i] == pytest.approx(difference.magnitude().min())
-
-
-def test_without_symmetry_it_is_the_papers_rotation_error(poses):
-    q, q_ref = poses[0][:, :4], poses[1][:, :4]
-    np.testing.assert_allclose(
-        symmetric_rotation_error(q, q_ref, NONE), rotation_error(q, q_ref)
-    )
 
 
 @pytest.mark.parametrize("sign", [1, -1])

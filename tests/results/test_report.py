@@ -7,12 +7,9 @@ import pytest
 from track_fixtures import make_record, make_truth
 
 from pbpf_drake.config.particle_filter_config import ParticleFilterConfig
-from pbpf_drake.results.report import (
-    FormatTable,
-    MakeReport,
-    WriteErrors,
-    WriteReport,
-)
+from pbpf_drake.config.symmetry import SymmetryConfig
+from pbpf_drake.results.report import MakeReport, WriteErrors, WriteReport
+from pbpf_drake.results.report_table import FormatTable
 
 
 def _refuse(constant):
@@ -124,6 +121,7 @@ def test_errors_csv_has_a_row_for_each_run_object_and_update(tmp_path):
         "detected": "0",
         "effective_sample_size": "2.000",
         "position_stddev_m": "0.007000",
+        "rotation_error_up_to_symmetry_rad": "0.130000",
     }
     # The truth ends at 6 s, and there is none of the can.
     assert {r["position_error_m"] for r in rows[6:20]} == {""}
@@ -132,29 +130,54 @@ def test_errors_csv_has_a_row_for_each_run_object_and_update(tmp_path):
     assert {r["position_stddev_m"] for r in rows[20:]} == {""}
 
 
-def test_table_shows_every_object_and_method_in_aligned_columns():
-    names = ("box", "a_rather_long_name")
-    records = [
-        make_record(names=names),
-        make_record(method="dope", names=names, growth=1.0, num_particles=0),
+CAN = SymmetryConfig(axis=[0.0, 1.0, 0.0])
+
+
+def test_errors_up_to_symmetry_are_beside_the_raw_ones(tmp_path):
+    """The estimate is turned by 0.12 rad about y and by 0.05 rad about z."""
+    names = ("box", "can")
+    record = make_record(names=names)
+    truth = dict.fromkeys(names, make_truth())
+    report = MakeReport([record], truth, symmetries={"can": CAN})
+    objects = _write_and_read(report, tmp_path)["runs"][0]["objects"]
+    for name, expected in ("box", 0.13), ("can", 0.05):
+        raw = objects[name]["rotation_error_rad"]
+        turned = objects[name]["rotation_error_up_to_symmetry_rad"]
+        assert raw["end"] == pytest.approx(0.13)
+        assert set(turned) == {"mean", "std", "median", "end"}
+        assert turned["end"] == pytest.approx(expected, abs=1e-3)
+    assert objects["box"]["symmetry"] is None
+    assert objects["can"]["symmetry"] == {"axis": [0, 1, 0], "order": 0}
+    filename = tmp_path / "errors.csv"
+    WriteErrors([record], truth, filename, {"can": CAN})
+    with filename.open(newline="") as file:
+        last = list(csv.DictReader(file))[-1]
+    assert last["rotation_error_rad"] == "0.130000"
+    turned = float(last["rotation_error_up_to_symmetry_rad"])
+    assert turned == pytest.approx(0.05, abs=1e-3)
+
+
+def test_the_use_of_the_input_and_an_interruption_are_in_the_report(tmp_path):
+    usage = [("/seen", "box", 9, 7, {"whose stamp is too old": 2})]
+    report = MakeReport([make_record()], {}, usage=usage, interrupted=True)
+    report = _write_and_read(report, tmp_path)
+    assert report["interrupted"] is True
+    assert report["input"] == [
+        {
+            "source": "/seen",
+            "object": "box",
+            "read": 9,
+            "used": 7,
+            "left_out": {"whose stamp is too old": 2},
+        }
     ]
-    report = MakeReport(records, {"box": make_truth()})
-    lines = FormatTable(report).splitlines()
-    header, rule, *rows = lines[1:]
-    assert [r.split()[:2] for r in rows] == [
-        ["box", "pbpf"],
-        ["box", "dope"],
-        ["a_rather_long_name", "pbpf"],
-        ["a_rather_long_name", "dope"],
-    ]
-    # mean, std, median, end of position, then of rotation; detected; update.
-    numbers = "0.050 0.000 0.050 0.050 0.130 0.000 0.130 0.130 100% 5.5 9.5"
-    assert rows[0].split()[2:] == [*numbers.split(), "10.0", "2"]
-    assert rows[1].split()[2:6] == ["0.275", "0.144", "0.275", "0.500"]
-    assert rows[2].split()[2:10] == ["-"] * 8
-    assert {len(line) for line in lines[1:]} == {len(rule)}
-    gaps = [i for i, c in enumerate(rule) if c == " "]
-    for row in [header, *rows]:
-        assert all(row[i] == " " for i in gaps)
-    for title in ("position error [m]", "rotation error [rad]"):
-        assert title in lines[0]
+    whole = MakeReport([make_record()], {})
+    assert whole["interrupted"] is False and whole["input"] == []
+
+
+def test_a_report_is_replaced_at_once(tmp_path):
+    _write_and_read(MakeReport([make_record()], {}), tmp_path)
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        WriteReport({"runs": float("nan")}, tmp_path / "report.json")
+    assert json.loads((tmp_path / "report.json").read_text())["runs"]
+    assert [p.name for p in tmp_path.iterdir()] == ["report.json"]

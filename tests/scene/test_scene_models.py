@@ -229,3 +229,10 @@ def test_nominal_poses_are_the_scenes_own(tmp_path):
         model.nominal_poses, [[half, 0, 0, half, 0.3, 0.1, 0.2]], atol=1e-12
     )
     assert model.joint_names == ("pusher_x", "pusher_y")
+
+
+def test_an_assertion_of_drakes_ends_in_a_sentence(tmp_path):
+    """Drake would end the program."""
+    change = ("name: probe_through_table", "name: ''")
+    with pytest.raises(ValueError, match="my_scene.yaml: .*group_name.empty"):
+        _add(_scene(tmp_path, change))

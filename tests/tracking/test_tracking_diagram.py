@@ -18,11 +18,13 @@ from pbpf_drake.config.particle_filter_config import (
 from pbpf_drake.filtering.add_particle_filter import ConfigForMethod
 from pbpf_drake.log.dope_log_source import DopeLogSource
 from pbpf_drake.results.pose_errors import compute_errors
+from pbpf_drake.tracking import tracking_diagram
 from pbpf_drake.tracking.tracking_diagram import (
     DefaultConfig,
     MakeTrackingDiagram,
     NumSteps,
     Track,
+    TrackInterrupted,
 )
 
 # 1.5 s: nine updates, the last of which is before the end.
@@ -196,3 +198,30 @@ def test_a_log_without_ground_truth_is_tracked_and_drawn(scene):
 def test_an_unknown_method_is_named(scene):
     with pytest.raises(ValueError, match="'magic'"):
         Track(scene=scene, log=LOG, method="magic")
+
+
+def test_an_interruption_has_what_there_was_by_then(scene):
+    steps = []
+
+    def interrupt():
+        steps.append(1)
+        if len(steps) == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(TrackInterrupted) as error:
+        _track(scene, "pbpf", on_step=interrupt)
+    part, whole = error.value.record, _track(scene, "pbpf")
+    assert len(part.times) == len(part.update_ms) == 4
+    np.testing.assert_array_equal(part.poses, whole.poses[:4])
+
+
+def test_an_interruption_before_the_first_update_has_nothing(
+    scene, monkeypatch
+):
+    def interrupt(*_args):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(tracking_diagram, "Simulator", interrupt)
+    with pytest.raises(KeyboardInterrupt) as error:
+        _track(scene, "dope")
+    assert not isinstance(error.value, TrackInterrupted)

@@ -247,3 +247,49 @@ def test_a_camera_that_the_log_places_is_the_one_that_draws(
     near, far = (np.nonzero(_green(f[0])) for f in (frames, written[1]))
     ratio = np.ptp(near[0]) / np.ptp(far[0])
     assert ratio == pytest.approx(1 / (1 - 0.4), rel=0.05)
+
+
+# What can't be made.
+
+
+def _write_some(folder, record, images, video="track.mp4"):
+    failures = WriteTrack(
+        scene=SCENE,
+        log=LOG,
+        record=record,
+        images=images,
+        mcap_filename=folder / "track.mcap",
+        video_filename=folder / video,
+    )
+    return failures, _messages(folder / "track.mcap")
+
+
+def test_a_video_that_can_not_be_written_costs_only_itself(tmp_path, record):
+    images = [flat_image(128)] * STEPS
+    failures, found = _write_some(tmp_path, record, images, "none/track.mp4")
+    (failure,) = failures
+    assert "none/track.mp4 can't be written as MP4" in failure
+    assert len(found[ESTIMATE]) == len(found[OVERLAY]) == STEPS
+
+
+def test_a_picture_that_can_not_be_made_costs_only_pictures(tmp_path, record):
+    def images():
+        yield from [flat_image(128)] * 3
+        raise MemoryError("too many pixels")
+
+    failures, found = _write_some(tmp_path, record, images())
+    (failure,) = failures
+    assert failure == (
+        "pictures can't be made from update 4 on: MemoryError: too many pixels"
+    )
+    assert len(found[ESTIMATE]) == STEPS
+    assert len(found[OVERLAY]) == 3
+    # A video that isn't whole is deleted.
+    assert [p.name for p in tmp_path.iterdir()] == ["track.mcap"]
+
+
+def test_without_images_there_are_no_pictures(tmp_path, record):
+    failures, found = _write_some(tmp_path, record, None)
+    assert failures == ()
+    assert len(found[ESTIMATE]) == STEPS and OVERLAY not in found
+    assert [p.name for p in tmp_path.iterdir()] == ["track.mcap"]

@@ -1,0 +1,55 @@
+import logging
+import os
+from pathlib import Path
+import sys
+import urllib.request
+
+import pytest
+
+from pbpf_drake.views.local_meshcat import MakeLocalMeshcat, ShortLivedMeshcat
+
+pytestmark = pytest.mark.skipif(
+    sys.platform != "linux", reason="looks into /proc"
+)
+
+
+def _listening() -> list[str]:
+    """Addresses on which this process waits, in hexadecimal."""
+    inodes = set()
+    for link in Path("/proc/self/fd").iterdir():
+        try:
+            inodes.add(os.readlink(link).removeprefix("socket:[")[:-1])
+        except OSError:
+            continue
+    rows = [
+        line.split()
+        for name in ("tcp", "tcp6")
+        for line in Path(f"/proc/net/{name}").read_text().splitlines()[1:]
+    ]
+    return [r[1] for r in rows if r[3] == "0A" and r[9] in inodes]
+
+
+def test_only_this_machine_can_reach_it(caplog):
+    caplog.set_level(logging.INFO, logger="drake")
+    before = _listening()
+    meshcat = MakeLocalMeshcat()
+    (address,) = set(_listening()) - set(before)
+    # 127.0.0.1, with the lowest byte first.
+    assert address == f"0100007F:{meshcat.port():04X}"
+    assert meshcat.web_url() in caplog.text
+    with urllib.request.urlopen(meshcat.web_url(), timeout=10) as page:
+        assert b"meshcat" in page.read().lower()
+
+
+def test_one_for_a_short_time_is_gone_whoever_still_has_it(caplog):
+    caplog.set_level(logging.INFO, logger="drake")
+    before = _listening()
+    kept = []
+    with pytest.raises(ZeroDivisionError), ShortLivedMeshcat() as meshcat:
+        kept.append(meshcat)
+        meshcat.SetProperty("a/b", "visible", True)
+        (address,) = set(_listening()) - set(before)
+        assert address.startswith("0100007F:")
+        raise ZeroDivisionError
+    assert set(_listening()) <= set(before)
+    assert "listening" not in caplog.text
