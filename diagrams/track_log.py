@@ -33,6 +33,7 @@ from pbpf_drake.tracking.track_outputs import (
     WriteOutputs,
     WrittenOutputs,
 )
+from pbpf_drake.tracking.track_usage import usage_rows, usage_warnings
 from pbpf_drake.tracking.tracking_diagram import (
     DefaultConfig,
     NumSteps,
@@ -183,7 +184,8 @@ def run(args: argparse.Namespace) -> tuple[str, ...]:
         filename=args.log,
         config=config,
         records=records,
-        warnings=model.warnings + log.warnings,
+        usage=usage_rows(log, records[0]),
+        warnings=model.warnings + log.warnings + usage_warnings(records[0]),
         interrupted=interrupted,
     )
     written = WriteOutputs(tracked, args.out)

@@ -27,6 +27,10 @@ class TrackRecord:
         period: of the updates; each should take less than this (in seconds).
         seed: of the run.
         config: of the filter, by field; of other estimators the period only.
+        detection_counts: (K, F) how many detections had which fate; see the
+            filter's port. Of other estimators there are no rows.
+        most_rejected: (K,) the most detections in a row that were outliers to
+            all particles.
     """
 
     method: str
@@ -44,3 +48,7 @@ class TrackRecord:
     period: float
     seed: int = 0
     config: dict[str, object] = field(default_factory=dict)
+    detection_counts: np.ndarray = field(
+        default_factory=lambda: np.zeros((0, 0))
+    )
+    most_rejected: np.ndarray = field(default_factory=lambda: np.zeros(0))

@@ -217,4 +217,10 @@ def _MakeRecord(
         period=config.period,
         seed=config.seed,
         config=asdict(config) if num_particles else {"period": config.period},
+        detection_counts=np.reshape(
+            rows[-1].get("detection_counts", ()), (num_objects, -1)
+        )
+        if num_particles
+        else np.zeros((0, 0)),
+        most_rejected=column("num_rejected", num_objects).max(axis=0),
     )
