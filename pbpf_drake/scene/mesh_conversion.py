@@ -12,6 +12,10 @@ from pbpf_drake.shapes.hull_corners import choose_hull_corners
 # How many corners a hull has at most. What is missing of an arm's link is less
 # than a millimetre thick, and a contact takes a quarter of the time.
 _MOST_CORNERS = 256
+# How long a mesh may be, in whatever unit it has: its OBJ file has six digits
+# after the point.
+_SMALLEST = 1e-4
+_LARGEST = 1e5
 # The y axis of glTF points up; z does in a model, and Drake turns it the same.
 _Z_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1.0]])
 
@@ -47,13 +51,26 @@ def _load(path: Path, data: bytes, ending: str) -> trimesh.Trimesh:
             f"{path} can't be read as {ending[1:].upper()}: is it whole? "
             f"({error})"
         ) from error
-    if not len(mesh.faces):
-        raise ValueError(f"{path} has no triangles: is it whole?")
-    if not np.isfinite(mesh.vertices).all():
-        raise ValueError(f"{path} has corners that are no numbers")
+    _check(path, mesh)
     if ending == ".glb":
         mesh.apply_transform(_Z_UP)
     return mesh
+
+
+def _check(path: Path, mesh: trimesh.Trimesh) -> None:
+    """Raises a ValueError if a mesh can't be what its author meant."""
+    if not len(mesh.faces):
+        raise ValueError(f"{path} has no triangles: is it whole?")
+    if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
+        raise ValueError(f"{path} has triangles without corners: is it whole?")
+    if not np.isfinite(mesh.vertices).all():
+        raise ValueError(f"{path} has corners that are no numbers")
+    size = float(np.ptp(mesh.vertices, axis=0).max())
+    if not _SMALLEST <= size <= _LARGEST:
+        raise ValueError(
+            f"{path} is {size:.3g} m long, without its scale; expected "
+            f"{_SMALLEST:g} to {_LARGEST:g} m: is it whole?"
+        )
 
 
 def _hull_text(path: Path, mesh: trimesh.Trimesh) -> str:

@@ -49,7 +49,7 @@ class ReadableModels:
 
         Raises:
             ValueError: a mesh that collides is missing or can't be read, a
-                file includes itself, or it is a xacro file.
+                file includes itself, or xacro hasn't been run on it.
         """
         if path.suffix == ".xacro":
             raise ValueError(
@@ -59,6 +59,7 @@ class ReadableModels:
         document = _parse(path)
         if document is None:
             return path
+        _refuse_expressions(path, document)
         if path in inside:
             raise ValueError(f"{path} includes itself, through {inside[-1]}")
         changed = self._ChangeMeshes(path, document)
@@ -152,6 +153,20 @@ def _parse(path: Path) -> Document | None:
         return expatbuilder.parseString(path.read_bytes(), namespaces=False)
     except ExpatError:  # Drake says what is wrong, and where.
         return None
+
+
+def _refuse_expressions(path: Path, document: Document) -> None:
+    """Raises a ValueError if there is an expression that xacro replaces."""
+    for part in ("link", "joint"):
+        for owner in document.getElementsByTagName(part):
+            for element in owner.getElementsByTagName("*"):
+                for name, value in element.attributes.items():
+                    if "${" in value:
+                        raise ValueError(
+                            f"{path}: {name} of {element.tagName} is "
+                            f"{value!r}; expected what xacro makes of it: "
+                            f"'xacro {path.name} > whole.urdf'"
+                        )
 
 
 def _geometry_elements(

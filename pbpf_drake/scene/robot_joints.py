@@ -14,8 +14,8 @@ def RobotJointNames(
         robot: the robot's model instance.
 
     Raises:
-        ValueError: a joint has more than one degree of freedom, or the
-            robot's base is free.
+        ValueError: a joint has more than one degree of freedom, the robot's
+            base is free, or no joint can move.
     """
     joints = []
     for index in plant.GetJointIndices(robot):
@@ -24,9 +24,14 @@ def RobotJointNames(
             raise ValueError(
                 f"joint {joint.name()!r} of the robot has "
                 f"{joint.num_positions()} positions; expected 1: a fixed "
-                "base, and revolute or prismatic joints"
+                "base (add_weld), and revolute or prismatic joints"
             )
         if joint.num_positions() == 1:
             joints.append(joint)
+    if not joints:
+        raise ValueError(
+            "no joint of the robot can move; expected a revolute or prismatic "
+            "joint, or another model as the robot"
+        )
     joints.sort(key=lambda j: j.position_start())
     return [joint.name() for joint in joints]

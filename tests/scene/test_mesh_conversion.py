@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from mesh_fixtures import CORNERS, obj_corners, write_dae, write_mesh
+from mesh_fixtures import CORNERS, FACES, obj_corners, write_dae, write_mesh
 import numpy as np
 from pydrake.geometry import Convex, Mesh
 from pydrake.multibody.tree import CalcSpatialInertia
@@ -98,3 +98,44 @@ def test_corners_that_are_no_numbers_are_refused(tmp_path):
     )
     with pytest.raises(ValueError, match="has corners that are no numbers"):
         _convert(tmp_path / "a.off", hull=True)
+
+
+@pytest.mark.parametrize("index", [7, -1, 2**24])
+def test_triangles_without_corners_are_refused(tmp_path, index):
+    (tmp_path / "a.off").write_text(
+        f"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 {index}"
+    )
+    with pytest.raises(ValueError, match="triangles without corners|be read"):
+        _convert(tmp_path / "a.off", hull=True)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e8, 1e38])
+def test_a_mesh_of_no_sensible_size_is_refused(tmp_path, scale):
+    mesh = trimesh.Trimesh(scale * CORNERS, FACES, process=False)
+    mesh.export(tmp_path / "a.stl")
+    with pytest.raises(ValueError, match=r"a\.stl is .* m long, without its"):
+        _convert(tmp_path / "a.stl", hull=True)
+
+
+@pytest.mark.parametrize("ending", ["stl", "dae", "ply", "off", "glb"])
+def test_a_damaged_mesh_is_converted_or_refused_in_a_sentence(tmp_path, ending):
+    path = tmp_path / f"wedge.{ending}"
+    write_mesh(path)
+    whole, rng = path.read_bytes(), np.random.default_rng(3)
+    for i in range(40):
+        data = bytearray(whole)
+        at = int(rng.integers(len(data) - 8))
+        if i % 4 == 0:
+            del data[at:]
+        elif i % 4 == 1:
+            del data[at : at + 7]
+        elif i % 4 == 2:
+            data[at : at + 4] = b"\xff\xff\xff\x7f"
+        else:
+            data[at] ^= 1 << rng.integers(8)
+        for hull in (True, False):
+            try:
+                text = ConvertMesh(path, bytes(data), hull=hull)
+                assert "\nf " in text
+            except ValueError as error:
+                assert str(error).startswith(str(path))

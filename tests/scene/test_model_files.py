@@ -162,6 +162,17 @@ def test_parts_that_xacro_should_have_made_are_said(folder):
     assert "'xacro a.urdf > whole.urdf'" in warning
 
 
+def test_an_expression_of_xacro_is_refused_with_the_remedy(folder):
+    path = folder / "a.urdf"
+    write_gantry(path, collision="../meshes/wedge.obj")
+    path.write_text(
+        path.read_text().replace('mass value="1"', 'mass value="${m}"')
+    )
+    message = r"a\.urdf: value of mass is '\$\{m\}'; .*'xacro a\.urdf >"
+    with pytest.raises(ValueError, match=message):
+        ReadableModels(PackageMap()).Make(path)
+
+
 def test_a_xacro_file_is_refused_with_the_remedy(folder):
     (folder / "a.urdf.xacro").write_text("<robot/>")
     with pytest.raises(ValueError, match="xacro file; .*'xacro a.urdf.xacro"):

@@ -55,3 +55,11 @@ def test_fixed_joints_are_not_listed():
     plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("a"))
     plant.Finalize()
     assert RobotJointNames(plant, robot) == ["hinge"]
+
+
+def test_a_robot_that_can_not_move_is_refused():
+    plant, robot = _plant(f"<robot name='r'>{_link('a')}</robot>")
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("a"))
+    plant.Finalize()
+    with pytest.raises(ValueError, match="no joint of the robot can move; exp"):
+        RobotJointNames(plant, robot)
