@@ -7,12 +7,17 @@ import numpy as np
 from pbpf_drake.bags.log_notes import TopicNotes
 from pbpf_drake.log.log_samples import PoseSample
 
+# Nothing is further away (in meters): the number is damaged.
+_MAX_POSITION = 1e6
+
 
 def is_usable_pose(pose: PoseSample, notes: TopicNotes) -> bool:
     """Tells if a pose can be used; counts what is wrong with it."""
     norm = math.hypot(*pose.q)  # Unlike numpy's, without overflow.
     if not np.all(np.isfinite(pose.p)):
         notes.CountLeftOut("whose position is not finite")
+    elif np.abs(pose.p).max() > _MAX_POSITION:
+        notes.CountLeftOut(f"that is more than {_MAX_POSITION:g} m away")
     elif not math.isfinite(norm):
         notes.CountLeftOut("whose quaternion is not finite")
     elif norm < 1e-6:

@@ -30,6 +30,7 @@ def test_a_log_without_detections_is_read_and_says_so(faulty):
         ({"q": (math.inf, 0, 0, 1)}, "quaternion is not finite"),
         ({"p": (math.nan, 0, 0)}, "position is not finite"),
         ({"p": (0, 0, math.inf)}, "position is not finite"),
+        ({"p": (0, -1e300, 2)}, "that is more than 1e+06 m away"),
         ({"name": "mug"}, "unknown class 'mug'"),
     ],
 )
