@@ -8,6 +8,7 @@ from pydrake.math import RigidTransform
 from pbpf_drake.config.config_checks import (
     fixed_pose,
     require,
+    require_at_least,
     require_positive,
 )
 
@@ -42,7 +43,7 @@ class CameraConfig:
         prefix = f"{name}."
         sizes, lengths = ("width", "height"), ("fx", "fy")
         require_positive(self, prefix, sizes, maximum=_MAX_SIZE)
-        require_positive(self, prefix, lengths, maximum=_MAX_PIXELS)
+        require_at_least(0.01, self, prefix, lengths, maximum=_MAX_PIXELS)
         for part in ("cx", "cy"):
             value = getattr(self, part)
             fits = -_MAX_PIXELS <= value <= _MAX_PIXELS

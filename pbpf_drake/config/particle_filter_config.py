@@ -32,11 +32,12 @@ _MAX_COUNTS = {
     "parallelism": 1_024,
 }
 _MAX_VALUES = {
-    "period": 3_600,  # In seconds.
     "max_detection_age": 3_600,  # In seconds.
     "max_speed": 1_000,  # In m/s.
 }
-# With shorter steps (in seconds and in meters) an update would never end.
+# With a shorter period (in seconds) a run would never end, and with shorter
+# steps (in seconds and in meters) an update.
+_MIN_PERIOD = 1e-3
 _MIN_TIME_STEP = 1e-4
 _MIN_TRAVEL = 1e-5
 # Rays of all particles to one object.
@@ -122,6 +123,7 @@ class ParticleFilterConfig:
         require_at_least(0, self, "", ("seed",), maximum=_MAX_SEED)
         for field_name, maximum in _MAX_VALUES.items():
             require_positive(self, "", (field_name,), maximum=maximum)
+        require_at_least(_MIN_PERIOD, self, "", ("period",), maximum=3_600)
         require_at_least(_MIN_TIME_STEP, self, "", ("time_step",), maximum=1)
         require_at_least(_MIN_TRAVEL, self, "", ("max_travel",), maximum=1)
         require(

@@ -74,6 +74,8 @@ class TrackPictures:
             return None
         try:
             image = next(self._images)
+            if image is None and self._video is None:
+                return None
             painted = self._painter.Paint(i, image, q, seen)
             if self._video is not None:
                 self._video.Write(painted)

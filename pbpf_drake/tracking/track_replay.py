@@ -93,7 +93,7 @@ def WriteReplay(
         filename: the file to write; its folder must exist.
 
     Raises:
-        RuntimeError: there is no port for the server.
+        OSError: there is no port for the server, or the file can't be written.
     """
     with ShortLivedMeshcat() as meshcat:
         meshcat.StartRecording(set_visualizations_while_recording=False)

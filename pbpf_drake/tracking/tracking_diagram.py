@@ -1,6 +1,6 @@
 """Runs an estimator on a log, in a Drake simulation."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
@@ -133,15 +133,10 @@ def Track(
         config=config,
         meshcat=meshcat,
     )
-    simulator = Simulator(tracking.diagram)
-    context = tracking.estimator.GetMyContextFromRoot(simulator.get_context())
     rows: list[dict[str, np.ndarray]] = []
     try:
-        simulator.Initialize()
-        for step in range(1, num_steps + 1):
-            # An update at t is done when the simulator goes on from t.
-            simulator.AdvanceTo((step + 0.5) * config.period)
-            rows.append(_ReadPorts(tracking.estimator, context))
+        for row in _Rows(tracking, config.period, num_steps):
+            rows.append(row)
             if on_step:
                 on_step()
     except KeyboardInterrupt as error:
@@ -151,6 +146,19 @@ def Track(
         record = _MakeRecord(scene, method, config, rows, seconds)
         raise TrackInterrupted(record) from error
     return _MakeRecord(scene, method, config, rows, tracking.update_seconds)
+
+
+def _Rows(
+    tracking: TrackingDiagram, period: float, num_steps: int
+) -> Iterator[dict[str, np.ndarray]]:
+    """Runs a simulation; yields what the estimator says after each update."""
+    simulator = Simulator(tracking.diagram)
+    context = tracking.estimator.GetMyContextFromRoot(simulator.get_context())
+    simulator.Initialize()
+    for step in range(1, num_steps + 1):
+        # An update at t is done when the simulator goes on from t.
+        simulator.AdvanceTo((step + 0.5) * period)
+        yield _ReadPorts(tracking.estimator, context)
 
 
 def SceneOfLog(scene: Scene, log: Log) -> Scene:

@@ -41,12 +41,10 @@ def WriteTrack(
         mcap_filename: the MCAP file to write; its folder must exist.
         images: of the camera, one per update or None; height and width are
             the scene's; blue, green, red. None for no pictures at all.
-        video_filename: the MP4 file to write; its folder must exist. None for
-            no video.
+        video_filename: the MP4 file to write, if any, in such a folder.
 
     Returns:
-        A sentence for the video and one for the pictures, if they couldn't be
-        made.
+        A sentence for each: the video, the pictures, that couldn't be made.
     """
     scene = SceneOfLog(scene, log)
     seen = detections_at(scene, log, record.times)

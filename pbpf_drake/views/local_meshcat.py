@@ -15,9 +15,16 @@ def MakeLocalMeshcat() -> Meshcat:
     address is written to Python's log.
 
     Raises:
-        RuntimeError: none of the ports from 7000 to 7999 is free.
+        OSError: none of the ports from 7000 to 7999 is free.
     """
-    return Meshcat(MeshcatParams(host="localhost", show_stats_plot=False))
+    params = MeshcatParams(host="localhost", show_stats_plot=False)
+    try:
+        return Meshcat(params)
+    except RuntimeError as error:
+        raise OSError(
+            "Meshcat found no free port from 7000 to 7999 on localhost; end "
+            f"a program that has one: {error}"
+        ) from error
 
 
 @contextmanager
@@ -28,7 +35,7 @@ def ShortLivedMeshcat() -> Iterator[Meshcat]:
     this one, so it isn't said.
 
     Raises:
-        RuntimeError: see MakeLocalMeshcat.
+        OSError: see MakeLocalMeshcat.
     """
     with _only_warnings():
         handle = _Handle(MakeLocalMeshcat())

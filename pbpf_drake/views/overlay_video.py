@@ -7,6 +7,8 @@ import numpy as np
 
 # The lowest and the highest rate of images that MPEG-4 can write (in 1/s).
 _RATES = (0.01, 500.0)
+# The largest width and height of its images (in pixels).
+_MAX_SIZE = 8_191
 
 
 class OverlayVideo:
@@ -26,16 +28,15 @@ class OverlayVideo:
             ValueError: OpenCV can't write such a file.
         """
         rate = round(float(np.clip(1 / period, *_RATES)), 2)
-        self._writer = cv2.VideoWriter(
-            str(filename),
-            cv2.VideoWriter.fourcc(*"mp4v"),
-            rate,
-            (width, height),
-        )
+        self._writer = cv2.VideoWriter()
+        if max(width, height) <= _MAX_SIZE:
+            code = cv2.VideoWriter.fourcc(*"mp4v")
+            self._writer.open(str(filename), code, rate, (width, height))
         if not self._writer.isOpened():
             raise ValueError(
                 f"{filename} can't be written as MP4 with images of "
-                f"{width} x {height} pixels"
+                f"{width} x {height} pixels; expected a file that can be "
+                f"written, and from 2 to {_MAX_SIZE:,} pixels each way"
             )
 
     def Write(self, image: np.ndarray) -> None:

@@ -24,10 +24,10 @@ def test_the_pose_is_the_one_that_is_configured():
 @pytest.mark.parametrize("bad", [0, -1.0, 2_000_000_000, 1e200, 10**400])
 def test_sizes_are_positive(field, bad):
     camera = replace(CameraConfig(), **{field: bad})
-    limit = "1,000,000" if field.startswith("f") else "10,000"
+    limits = {"f": "at least 0.01 and at most 1,000,000"}
+    expected = limits.get(field[0], "more than 0 and at most 10,000")
     value = re.escape(repr(bad)[:60])
-    expected = f"more than 0 and at most {limit}$"
-    expected = rf"^camera\.{field} is {value}…?; expected {expected}"
+    expected = rf"^camera\.{field} is {value}…?; expected {expected}$"
     with pytest.raises(ValueError, match=expected):
         camera.ValidateOrThrow("camera")
 

@@ -55,6 +55,7 @@ def test_defaults_are_the_papers():
         ("max_travel", 1e-12),
         ("max_travel", NAN),
         ("period", 1e200),
+        ("period", 1e-12),
         ("max_detection_age", 1e200),
         ("max_speed", 1e200),
     ],

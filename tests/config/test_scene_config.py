@@ -76,7 +76,7 @@ def test_a_file_that_is_missing_is_named(tmp_path):
         ("robot: pusher", "robots: pusher", r"robots: .*unknown to the schema"),
         ("fx: 605.904", "f: 605.904", r"camera\.f: .*unknown"),
         ("fx: 605.904", "fx: wide", r"camera\.fx: .*float: 'wide'"),
-        ("fx: 605.904", "fx: -1", r"camera\.fx is -1.0; expected more than 0"),
+        ("fx: 605.904", "fx: -1", r"camera\.fx is -1.0; expected at least 0"),
         ("fx: 605.904", "fx: .inf", r"camera\.fx is inf; expected"),
         ("fy: 604.460", "fy: .nan", r"camera\.fy is nan; expected"),
         ("cx: 311.145", "cx: .nan", r"camera\.cx is nan; expected"),

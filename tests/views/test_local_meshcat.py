@@ -6,6 +6,7 @@ import urllib.request
 
 import pytest
 
+from pbpf_drake.views import local_meshcat
 from pbpf_drake.views.local_meshcat import MakeLocalMeshcat, ShortLivedMeshcat
 
 pytestmark = pytest.mark.skipif(
@@ -53,3 +54,12 @@ def test_one_for_a_short_time_is_gone_whoever_still_has_it(caplog):
         raise ZeroDivisionError
     assert set(_listening()) <= set(before)
     assert "listening" not in caplog.text
+
+
+def test_that_no_port_is_free_is_a_sentence(monkeypatch):
+    def refuse(*_args):
+        raise RuntimeError("Meshcat failed to open a websocket port.")
+
+    monkeypatch.setattr(local_meshcat, "Meshcat", refuse)
+    with pytest.raises(OSError, match="no free port from 7000 to 7999"):
+        MakeLocalMeshcat()

@@ -54,3 +54,16 @@ def test_any_period_can_be_written(tmp_path, period, rate):
 def test_a_file_that_cannot_be_written_is_refused(tmp_path):
     with pytest.raises(ValueError, match="can't be written as MP4"):
         _write(tmp_path / "missing" / "video.mp4", [_image(0)])
+
+
+@pytest.mark.parametrize("size", [(10_000, 10), (10, 10_000), (1, 1)])
+def test_a_size_that_mp4_does_not_have_is_refused_with_those_it_has(
+    tmp_path, size, capfd
+):
+    width, height = size
+    expected = f"{width} x {height} pixels; expected .* 2 to 8,191 pixels"
+    with pytest.raises(ValueError, match=expected):
+        OverlayVideo(
+            tmp_path / "video.mp4", width=width, height=height, period=0.1
+        )
+    assert capfd.readouterr() == ("", "")
