@@ -1,17 +1,20 @@
 """Damaged files: what is whole is used, and nothing is wrong silently."""
 
+from bag_fixtures import copy_mcap, our_entries, write_mcap
 from log_fixtures import (
     has_warning,
     make_small_log,
     make_small_scene,
     read_small_log,
 )
-from mcap.writer import Writer
+from mcap.writer import CompressionType, Writer
+from mcap_ros2._dynamic import serialize_dynamic
 import numpy as np
 import pytest
 
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.mcap_stream import McapStream
+from pbpf_drake.bags.ros2_messages import JOINT_STATE, message_definition
 from pbpf_drake.log import mcap_log_writer
 from pbpf_drake.log.mcap_log_writer import WriteLog
 
@@ -206,3 +209,97 @@ def test_random_damage_is_refused_or_said(whole, tmp_path, seed):
         assert len(log.joints.times) == 150
         assert len(log.detections) == len(expected.detections)
         assert len(log.ground_truth["box"].times) == 100
+
+
+@pytest.mark.parametrize("compression", list(CompressionType))
+def test_a_chunk_that_is_cut_off_is_used_up_to_there(tmp_path, compression):
+    path, source = tmp_path / "log", tmp_path / "source"
+    # The whole log in one chunk, of which three quarters are left.
+    entries = our_entries(make_small_log(num_samples=3000))
+    copy_mcap(
+        write_mcap(source, entries),
+        path,
+        compression=compression,
+        chunk_size=10**7,
+    )
+    content = path.read_bytes()
+    ((begin, end),) = _chunks(content)
+    log = _read(path, content[: (begin + 3 * end) // 4])
+    assert 1500 < len(log.joints.times) < 3000
+    assert has_warning(log, "of the chunk that is cut off", "its checksum")
+    _assert_part_of(log, make_small_log(num_samples=3000))
+
+
+def test_a_chunk_whose_lengths_do_not_agree_is_not_cut_off(whole, tmp_path):
+    # Both lengths are inflated in the last chunk, but not by the same.
+    at, end = _chunks(whole)[-1]
+    damaged = bytearray(whole[:end])
+    damaged[at + 3] += 1
+    log = _read(tmp_path / "log", bytes(damaged))
+    assert not has_warning(log, "of the chunk that is cut off")
+    assert has_warning(log, "the file is cut off")
+
+
+def _write_channels(path, messages):
+    """Writes (topic, encoding, type, data) as one channel each."""
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        channels = {}
+        for time, (topic, encoding, kind, data) in enumerate(messages):
+            key = topic, encoding, kind
+            if key not in channels:
+                text = message_definition(kind).encode() if kind else b""
+                schema = (
+                    writer.register_schema(kind, "ros2msg", text) if kind else 0
+                )
+                channels[key] = writer.register_channel(topic, encoding, schema)
+            writer.add_message(channels[key], time, data, time)
+        writer.finish()
+
+
+def _joint_state(value):
+    encode = serialize_dynamic(JOINT_STATE, message_definition(JOINT_STATE))
+    header = {"stamp": {"sec": 5, "nanosec": 7}}
+    return encode[JOINT_STATE](
+        {"header": header, "name": ["a"], "position": [value]}
+    )
+
+
+def test_the_type_of_a_channel_without_a_schema_is_found_out(tmp_path):
+    path = tmp_path / "log"
+    _write_channels(
+        path, [("/j", "cdr", "", _joint_state(i)) for i in range(9)]
+    )
+    stream = McapStream(filename=path)
+    assert [m.type for m in stream.Messages()] == [JOINT_STATE] * 9
+    assert stream.types == {"/j": JOINT_STATE}
+    (said,) = stream.damage
+    assert said.startswith("/j: the file does not say of what type")
+
+
+@pytest.mark.parametrize("json_first", [True, False])
+def test_messages_in_another_encoding_beside_those_of_ros_are_counted(
+    tmp_path, json_first
+):
+    path = tmp_path / "log"
+    messages = [("/j", "cdr", JOINT_STATE, _joint_state(i)) for i in range(9)]
+    others = [("/j", "json", "", b"{}")] * 3
+    _write_channels(
+        path, others + messages if json_first else messages + others
+    )
+    stream = McapStream(filename=path)
+    assert [m.encoding for m in stream.Messages()] == ["cdr"] * 9
+    assert stream.types == {"/j": JOINT_STATE}
+    assert stream.damage == [
+        "left out 3 messages of /j encoded as 'json', beside those of ROS"
+    ]
+
+
+@pytest.mark.parametrize("crcs", [True, False])
+def test_it_is_known_whether_a_file_has_checksums(tmp_path, crcs):
+    entries = our_entries(make_small_log())
+    source, path = write_mcap(tmp_path / "source", entries), tmp_path / "log"
+    copy_mcap(source, path, enable_crcs=crcs, enable_data_crcs=False)
+    stream = McapStream(filename=path)
+    assert list(stream.Messages()) and stream.checksums == crcs
