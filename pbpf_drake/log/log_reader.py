@@ -13,6 +13,7 @@ from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import LogNotes
+from pbpf_drake.bags.read_limits import DEFAULT_LIMITS, ReadLimits
 from pbpf_drake.bags.ros2_messages import DETECTION_ARRAY, is_one_of
 from pbpf_drake.config.log_topics import is_frame
 from pbpf_drake.config.scene_config import Scene
@@ -40,7 +41,11 @@ _Poses = Mapping[str, list[Stamped[PoseSample]]]
 
 
 def ReadLog(
-    *, filename: str | Path, scene: Scene, joint_names: Sequence[str]
+    *,
+    filename: str | Path,
+    scene: Scene,
+    joint_names: Sequence[str],
+    limits: ReadLimits = DEFAULT_LIMITS,
 ) -> Log:
     """Reads what the filter needs of one recorded manipulation.
 
@@ -53,6 +58,7 @@ def ReadLog(
         scene: names topics, frames, the joints in the log and the objects.
         joint_names: the robot's joints in the model's order, which becomes
             the order of the log's columns.
+        limits: what a file may hold at most.
 
     Returns:
         The log. Its ``warnings`` say what was left out. A log without
@@ -64,7 +70,7 @@ def ReadLog(
     """
     path = Path(filename).expanduser()
     try:
-        return _LogReader(scene, joint_names).Read(path)
+        return _LogReader(scene, joint_names, limits).Read(path)
     except LogError as error:
         raise LogError(f"Log {path}: {error}") from error
 
@@ -72,14 +78,18 @@ def ReadLog(
 class _LogReader:
     """Everything that is known while one file is read."""
 
-    def __init__(self, scene: Scene, joint_names: Sequence[str]):
+    def __init__(
+        self, scene: Scene, joint_names: Sequence[str], limits: ReadLimits
+    ):
         self._scene = scene
+        self._limits = limits
         self._joint_names = _joints_in_log(scene, joint_names)
         self._sources = LogSources(scene)
         self._notes = LogNotes()
 
     def Read(self, path: Path) -> Log:
-        samples = ReadSamples(path, self._sources.types, self._notes)
+        types = self._sources.types
+        samples = ReadSamples(path, types, self._notes, self._limits)
         joints, poses = self._PlaceInTime(samples)
         # What tf says once for all times may have been sent long before.
         static = samples.poses.get(self._scene.topics.tf_static, [])

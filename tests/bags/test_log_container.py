@@ -1,5 +1,7 @@
 """The same log in every container is read as the same log."""
 
+import os
+
 from bag_fixtures import our_entries, write_mcap, write_ros1, write_ros2
 from log_fixtures import assert_same_log, make_small_log, read_small_log
 import pytest
@@ -7,6 +9,7 @@ import zstandard
 
 from pbpf_drake.bags.log_container import OpenLogStream
 from pbpf_drake.bags.log_error import LogError
+from pbpf_drake.bags.read_limits import ReadLimits
 
 CONTAINERS = {
     "mcap": lambda path, e: write_mcap(path, e),
@@ -69,3 +72,17 @@ def test_a_file_of_nothing_is_refused(tmp_path, name):
     path.write_bytes(b"")
     with pytest.raises(LogError, match="it is empty"):
         read_small_log(path)
+
+
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    with pytest.raises(LogError, match="but it is a pipe or a device"):
+        read_small_log(path)
+
+
+def test_limits_are_those_that_are_asked_for(tmp_path):
+    path = write_mcap(tmp_path / "log", our_entries(make_small_log()))
+    stream = OpenLogStream(path, limits=ReadLimits(message=100))
+    assert {m.topic for m in stream.Messages()} == {"/ground_truth/box"}
+    assert any("see ReadLimits.message" in said for said in stream.damage)

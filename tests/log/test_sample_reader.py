@@ -2,11 +2,22 @@
 
 from log_fixtures import has_warning, read_small_log
 from mcap.writer import Writer as McapWriter
-from mcap_fixtures import DETECTIONS, JOINT_STATES, SECOND, T0, TRUTH
+from mcap_fixtures import (
+    DETECTIONS,
+    JOINT_STATES,
+    SECOND,
+    T0,
+    TRUTH,
+    FaultyLog,
+    pose,
+)
+from mcap_ros2._dynamic import serialize_dynamic
 import pytest
 
+from pbpf_drake.bags.detection_layouts import old_definition
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import LogNotes
+from pbpf_drake.bags.read_limits import ReadLimits
 from pbpf_drake.log.sample_extraction import DETECTION_TYPES, JOINT_TYPES
 from pbpf_drake.log.sample_reader import ReadSamples
 
@@ -44,6 +55,69 @@ def test_a_topic_of_another_type_is_refused(faulty):
         "'geometry_msgs/msg/PoseArray'; expected sensor_msgs/msg/JointState",
     ):
         faulty.read()
+
+
+def test_messages_of_another_type_beside_the_right_ones_are_counted(path):
+    with FaultyLog(path) as log:
+        for i in range(5):
+            log.joints(i)
+        log.write(JOINT_STATES, "geometry_msgs/msg/PoseArray", {}, 5.0)
+    found = read_small_log(path, joint_names=("a", "b"))
+    assert len(found.joints.times) == 5
+    assert has_warning(
+        found, "left out 1 message of type 'geometry_msgs/msg/PoseArray'"
+    )
+
+
+def test_a_type_that_is_not_named_and_fits_none_is_refused(path):
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start()
+        channel = writer.register_channel(JOINT_STATES, "cdr", 0)
+        writer.add_message(channel, 5, b"\0\1\0\0\7\0\0\0text...", 5)
+        writer.finish()
+    with pytest.raises(LogError, match="type that the file does not name"):
+        read_small_log(path)
+
+
+def test_what_is_beyond_a_limit_is_counted(path):
+    with FaultyLog(path) as log:
+        for i in range(50):
+            log.joints(i)
+    notes = LogNotes()
+    limits = ReadLimits(decoded=1000, decoded_growth=0)
+    types = {JOINT_STATES: JOINT_TYPES}
+    samples = ReadSamples(path, types, notes, limits)
+    assert 5 < len(samples.joints) < 20
+    left_out = 50 - len(samples.joints)
+    (said,) = notes.Sentences()
+    assert f"left out {left_out} messages beyond what is decoded" in said
+
+
+def test_a_layout_that_was_found_out_is_said(path):
+    kind = "vision_msgs/msg/Detection3DArray"
+    text = old_definition("string", tracking=True)
+    result = {
+        "id": "box",
+        "score": 1.0,
+        "pose": {"pose": pose((1, 0, 0, 0), (0, 0, 1))},
+    }
+    data = serialize_dynamic(kind, text)[kind](
+        {"detections": [{"results": [result]}]}
+    )
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start()
+        schema = writer.register_schema(kind, "", b"")
+        channel = writer.register_channel(DETECTIONS, "cdr", schema)
+        for i in range(9):
+            writer.add_message(channel, i, data, i)
+        writer.finish()
+    notes = LogNotes()
+    samples = ReadSamples(path, {DETECTIONS: DETECTION_TYPES}, notes)
+    assert [p.value.name for p in samples.poses[DETECTIONS]] == ["box"] * 9
+    (said,) = notes.Sentences()
+    assert "only that of ROS 2 Foxy fits" in said
 
 
 def test_another_encoding_is_refused(path):
