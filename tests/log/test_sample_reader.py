@@ -18,6 +18,7 @@ from pbpf_drake.bags.detection_layouts import old_definition
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import LogNotes
 from pbpf_drake.bags.read_limits import ReadLimits
+from pbpf_drake.bags.ros2_messages import JOINT_STATE, message_definition
 from pbpf_drake.log.sample_extraction import DETECTION_TYPES, JOINT_TYPES
 from pbpf_drake.log.sample_reader import ReadSamples
 
@@ -57,25 +58,44 @@ def test_a_topic_of_another_type_is_refused(faulty):
         faulty.read()
 
 
-def test_messages_of_another_type_beside_the_right_ones_are_counted(path):
-    with FaultyLog(path) as log:
-        for i in range(5):
-            log.joints(i)
-        log.write(JOINT_STATES, "geometry_msgs/msg/PoseArray", {}, 5.0)
-    found = read_small_log(path, joint_names=("a", "b"))
-    assert len(found.joints.times) == 5
-    assert has_warning(
-        found, "left out 1 message of type 'geometry_msgs/msg/PoseArray'"
-    )
-
-
-def test_a_type_that_is_not_named_and_fits_none_is_refused(path):
+def _write_channels(path, channels):
+    """Writes (topic, type, definition, messages) as one channel each."""
     with path.open("wb") as file:
         writer = McapWriter(file)
         writer.start()
-        channel = writer.register_channel(JOINT_STATES, "cdr", 0)
-        writer.add_message(channel, 5, b"\0\1\0\0\7\0\0\0text...", 5)
+        for topic, kind, text, messages in channels:
+            schema = (
+                writer.register_schema(kind, "ros2msg", text.encode())
+                if kind
+                else 0
+            )
+            channel = writer.register_channel(topic, "cdr", schema)
+            for i, data in enumerate(messages):
+                writer.add_message(channel, i, data, i)
         writer.finish()
+
+
+def test_messages_of_another_type_beside_the_right_ones_are_counted(path):
+    text = message_definition(JOINT_STATE)
+    data = serialize_dynamic(JOINT_STATE, text)[JOINT_STATE]({"name": ["a"]})
+    _write_channels(
+        path,
+        [
+            (JOINT_STATES, "std_msgs/msg/Empty", "", [b"\0\1\0\0\0"] * 3),
+            (JOINT_STATES, JOINT_STATE, text, [data] * 5),
+        ],
+    )
+    notes = LogNotes()
+    samples = ReadSamples(path, {JOINT_STATES: JOINT_TYPES}, notes)
+    assert len(samples.joints) == 5
+    (said,) = notes.Sentences()
+    assert "left out 3 messages of type 'std_msgs/msg/Empty'" in said
+
+
+def test_a_type_that_is_not_named_and_fits_none_is_refused(path):
+    _write_channels(
+        path, [(JOINT_STATES, "", "", [b"\0\1\0\0\7\0\0\0text..."])]
+    )
     with pytest.raises(LogError, match="type that the file does not name"):
         read_small_log(path)
 
@@ -105,14 +125,7 @@ def test_a_layout_that_was_found_out_is_said(path):
     data = serialize_dynamic(kind, text)[kind](
         {"detections": [{"results": [result]}]}
     )
-    with path.open("wb") as file:
-        writer = McapWriter(file)
-        writer.start()
-        schema = writer.register_schema(kind, "", b"")
-        channel = writer.register_channel(DETECTIONS, "cdr", schema)
-        for i in range(9):
-            writer.add_message(channel, i, data, i)
-        writer.finish()
+    _write_channels(path, [(DETECTIONS, kind, "", [data] * 9)])
     notes = LogNotes()
     samples = ReadSamples(path, {DETECTIONS: DETECTION_TYPES}, notes)
     assert [p.value.name for p in samples.poses[DETECTIONS]] == ["box"] * 9
