@@ -29,6 +29,7 @@ import.
 """
 
 from pbpf_drake.bags.log_error import LogError
+from pbpf_drake.bags.read_limits import ReadLimits
 from pbpf_drake.config.adaptive_count_config import AdaptiveCountConfig
 from pbpf_drake.config.camera_config import CameraConfig
 from pbpf_drake.config.distributions import PoseStddev, TruncatedGaussian
@@ -163,6 +164,7 @@ __all__ = [
     "PoseRecord",
     "PoseStddev",
     "PredictionModel",
+    "ReadLimits",
     "ReadLog",
     "Reading",
     "RecordRun",

@@ -31,6 +31,8 @@ _MESSAGE = struct.Struct("<HIQQ")
 _CHUNK = struct.Struct("<QQQI")
 # The end of a file: the fields of the footer, and the magic.
 _END = struct.Struct("<QQI8s")
+# Of a record that is neither a message nor a chunk (in bytes).
+_MAX_RECORD = 2**21
 _PARSERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.CHANNEL: Channel.read,
     Opcode.CHUNK_INDEX: ChunkIndex.read,
@@ -143,6 +145,8 @@ def parse_record(opcode: int, content: memoryview) -> McapRecord | None:
     """
     if opcode not in _PARSERS:
         return None
+    if len(content) > _MAX_RECORD:
+        raise ValueError("the record is too long")
     return _PARSERS[opcode](ReadDataStream(BytesIO(content)))
 
 

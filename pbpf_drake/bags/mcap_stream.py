@@ -87,8 +87,8 @@ class McapStream(LogStream):
         """
         # It is closed once no part of it is in use.
         data = memoryview(OpenBytes(self._filename))
-        self._ReadSummary(data)
         try:
+            self._ReadSummary(data)
             yield from self._ReadData(data)
         except BudgetSpent as error:
             self._SayThatItEndsHere(error)
@@ -106,6 +106,7 @@ class McapStream(LogStream):
         if start is None:
             return
         for place in walk_records(data, start):
+            self._budget.CountRecord()
             try:
                 record = parse_record(
                     place.opcode, data[place.begin : place.end]

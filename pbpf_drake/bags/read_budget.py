@@ -60,6 +60,6 @@ class ReadBudget:
         most = self._limits.max_records(self._size)
         if self._records > most:
             raise BudgetSpent(
-                f"it has more than {most} records, which is too many for a "
-                f"file of {megabytes(self._size)}; see ReadLimits.records"
+                f"it has more than {most} records, see ReadLimits.records and "
+                "ReadLimits.bytes_per_record"
             )

@@ -41,7 +41,7 @@ class ReadLimits:
     unpacked: int = 512 * _MIB
     growth: int = 20
     decoded: int = 64 * _MIB
-    decoded_growth: int = 5
+    decoded_growth: int = 4
     records: int = 1_000_000
     bytes_per_record: int = 8
     definition: int = 2**16

@@ -70,8 +70,9 @@ class Ros1BagStream(LogStream):
         """
         # It is closed once no part of it is in use.
         data = memoryview(OpenBytes(self._filename))
-        missing = self._ReadIndex(data)
+        missing: set[int] = set()
         try:
+            missing = self._ReadIndex(data)
             yield from self._ReadAll(data, missing)
         except BudgetSpent as error:
             self._SayThatItEndsHere(error)
@@ -95,6 +96,7 @@ class Ros1BagStream(LogStream):
             return set()
         chunks = set()
         for record in whole_records(data, place):
+            self._budget.CountRecord()
             # It repeats connections, whose first copies may be damaged.
             if record.kind == CONNECTION:
                 self._Define(record)
@@ -185,9 +187,11 @@ class Ros1BagStream(LogStream):
             self._LeaveOut("chunk")
             return
         self.checksums &= has_checksum(chunk)
-        yield from self._ReadContent(
-            content, dict(index_after(data, chunk.end))
-        )
+        index = {}
+        for offset, entry in index_after(data, chunk.end):
+            self._budget.CountRecord()
+            index[offset] = entry
+        yield from self._ReadContent(content, index)
 
     def _ReadContent(
         self, content: memoryview, index: dict[int, tuple[int, int]]

@@ -16,8 +16,8 @@ from pbpf_drake.bags.log_stream import (
 from pbpf_drake.bags.read_limits import DEFAULT_LIMITS, ReadLimits, megabytes
 
 METADATA = "metadata.yaml"
-# That of a thousand files has half a megabyte (in bytes).
-_MAX_METADATA = 4_000_000
+# That of a thousand files has a quarter of it (in bytes).
+_MAX_METADATA = 1_000_000
 # The one in C is ten times as fast, where there is one.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 # Which files are read where metadata.yaml doesn't name them.

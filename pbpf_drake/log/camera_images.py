@@ -82,6 +82,7 @@ class CameraImages:
             none that can be used, or it is more than a second old.
         """
         stream = OpenLogStream(self._path, self._topics)
+        self._decoder = MessageDecoder(size=stream.size)
         taken = self._Decode(stream.Messages())
         waiting, last = next(taken, None), None
         image = None

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
+from pbpf_drake.bags.read_limits import DEFAULT_LIMITS, ReadLimits
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.log.input_usage import InputUsage, count_usage
 from pbpf_drake.log.joint_merging import make_joint_record
@@ -39,6 +40,7 @@ def ReadLog(
     scene: Scene,
     joint_names: Sequence[str],
     facts: ModelFacts | None = None,
+    limits: ReadLimits = DEFAULT_LIMITS,
 ) -> Log:
     """Reads what the filter needs of one recorded manipulation.
 
@@ -54,6 +56,7 @@ def ReadLog(
         facts: what is known of the scene's models, as a PredictionModel has
             it. Without it, joints that follow others must be in the log, and
             detections aren't compared with where things are.
+        limits: what a file may hold at most.
 
     Returns:
         The log. Its ``warnings`` say what was left out. A log without
@@ -66,7 +69,9 @@ def ReadLog(
     """
     path = Path(filename).expanduser()
     try:
-        reader = _LogReader(path, scene, joint_names, facts or ModelFacts())
+        reader = _LogReader(
+            path, scene, joint_names, facts or ModelFacts(), limits
+        )
         return reader.Read()
     except LogError as error:
         raise LogError(f"Log {path}: {error}") from error
@@ -81,12 +86,13 @@ class _LogReader:
         scene: Scene,
         joint_names: Sequence[str],
         facts: ModelFacts,
+        limits: ReadLimits,
     ):
         self._scene = scene
         self._joint_names = list(joint_names)
         self._facts = facts
         self._plan = make_joint_plan(scene.topics, joint_names, facts.mimics)
-        self._input = ReadSceneSamples(path, scene, self._plan)
+        self._input = ReadSceneSamples(path, scene, self._plan, limits)
         self._sources, self._notes = self._input.sources, self._input.notes
         self._samples = self._input.samples
         self._timeline = self._FindTimeline()

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import LogNotes
+from pbpf_drake.bags.read_limits import DEFAULT_LIMITS, ReadLimits
 from pbpf_drake.bags.ros2_messages import is_one_of
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.log.joint_plan import JointPlan, unlogged_joints
@@ -33,7 +34,12 @@ class SceneSamples:
     notes: LogNotes
 
 
-def ReadSceneSamples(path: Path, scene: Scene, plan: JointPlan) -> SceneSamples:
+def ReadSceneSamples(
+    path: Path,
+    scene: Scene,
+    plan: JointPlan,
+    limits: ReadLimits = DEFAULT_LIMITS,
+) -> SceneSamples:
     """Reads the samples on a scene's topics.
 
     Joints that these topics lack are looked for on all others.
@@ -42,6 +48,7 @@ def ReadSceneSamples(path: Path, scene: Scene, plan: JointPlan) -> SceneSamples:
         path: the file or folder.
         scene: names the topics.
         plan: names the joints.
+        limits: what the file may hold at most.
 
     Raises:
         LogError: it is no log, a topic has messages of another type, or a joint
@@ -49,8 +56,8 @@ def ReadSceneSamples(path: Path, scene: Scene, plan: JointPlan) -> SceneSamples:
     """
     sources = LogSources(scene)
     notes = LogNotes()
-    samples = ReadSamples(path, sources.types, notes)
-    found = _MoreJointTopics(path, sources, samples, plan)
+    samples = ReadSamples(path, sources.types, notes, limits)
+    found = _MoreJointTopics(path, sources, samples, plan, limits)
     if scene.topics.tf_joints or not found:
         return SceneSamples(sources, samples, notes)
     # Everything is read again, so that everything is counted once.
@@ -61,11 +68,17 @@ def ReadSceneSamples(path: Path, scene: Scene, plan: JointPlan) -> SceneSamples:
             f"{topic}: took from it the joints {names}, which the topics that "
             "the scene names lack"
         )
-    return SceneSamples(sources, ReadSamples(path, sources.types, notes), notes)
+    return SceneSamples(
+        sources, ReadSamples(path, sources.types, notes, limits), notes
+    )
 
 
 def _MoreJointTopics(
-    path: Path, sources: LogSources, samples: LogSamples, plan: JointPlan
+    path: Path,
+    sources: LogSources,
+    samples: LogSamples,
+    plan: JointPlan,
+    limits: ReadLimits,
 ) -> dict[str, list[str]]:
     """Returns the topics with joints that the scene's topics lack."""
     there = joint_names_of(samples)
@@ -78,13 +91,14 @@ def _MoreJointTopics(
     # Without any joint states it is another log, or the topic's name is wrong.
     if not there or not missing or not others:
         return {}
-    return joint_topics(missing, {t: _JointNames(path, t) for t in others})
+    names = {t: _JointNames(path, t, limits) for t in others}
+    return joint_topics(missing, names)
 
 
-def _JointNames(path: Path, topic: str) -> set[str]:
+def _JointNames(path: Path, topic: str, limits: ReadLimits) -> set[str]:
     """Returns the joints on a topic that the scene doesn't name."""
     try:
-        found = ReadSamples(path, {topic: JOINT_TYPES}, LogNotes())
+        found = ReadSamples(path, {topic: JOINT_TYPES}, LogNotes(), limits)
     except LogError:  # It is no topic that could help.
         return set()
     return joint_names_of(found)

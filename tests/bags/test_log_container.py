@@ -9,6 +9,7 @@ import zstandard
 
 from pbpf_drake.bags.log_container import OpenLogStream
 from pbpf_drake.bags.log_error import LogError
+from pbpf_drake.bags.read_limits import ReadLimits
 
 CONTAINERS = {
     "mcap": lambda path, e: write_mcap(path, e),
@@ -78,3 +79,10 @@ def test_a_pipe_is_refused_without_waiting_for_it(tmp_path):
     os.mkfifo(path)
     with pytest.raises(LogError, match="but it is no regular file"):
         OpenLogStream(path)
+
+
+def test_limits_are_those_that_are_asked_for(tmp_path):
+    path = write_mcap(tmp_path / "log", our_entries(make_small_log()))
+    stream = OpenLogStream(path, limits=ReadLimits(message=100))
+    assert {m.topic for m in stream.Messages()} == {"/ground_truth/box"}
+    assert any("see ReadLimits.message" in said for said in stream.damage)

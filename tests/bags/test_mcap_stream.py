@@ -1,12 +1,13 @@
 """Damaged files: what is whole is used, and nothing is wrong silently."""
 
+from bag_fixtures import copy_mcap, our_entries, write_mcap
 from log_fixtures import (
     has_warning,
     make_small_log,
     make_small_scene,
     read_small_log,
 )
-from mcap.writer import Writer
+from mcap.writer import CompressionType, Writer
 import numpy as np
 import pytest
 
@@ -206,3 +207,41 @@ def test_random_damage_is_refused_or_said(whole, tmp_path, seed):
         assert len(log.joints.times) == 150
         assert len(log.detections) == len(expected.detections)
         assert len(log.ground_truth["box"].times) == 100
+
+
+@pytest.mark.parametrize("compression", list(CompressionType))
+def test_a_chunk_that_is_cut_off_is_used_up_to_there(tmp_path, compression):
+    path, source = tmp_path / "log", tmp_path / "source"
+    # The whole log in one chunk, of which three quarters are left.
+    entries = our_entries(make_small_log(num_samples=3000))
+    copy_mcap(
+        write_mcap(source, entries),
+        path,
+        compression=compression,
+        chunk_size=10**7,
+    )
+    content = path.read_bytes()
+    ((begin, end),) = _chunks(content)
+    log = _read(path, content[: (begin + 3 * end) // 4])
+    assert 1500 < len(log.joints.times) < 3000
+    assert has_warning(log, "of the chunk that is cut off", "its checksum")
+    _assert_part_of(log, make_small_log(num_samples=3000))
+
+
+def test_a_chunk_whose_lengths_do_not_agree_is_not_cut_off(whole, tmp_path):
+    # Both lengths are inflated in the last chunk, but not by the same.
+    at, end = _chunks(whole)[-1]
+    damaged = bytearray(whole[:end])
+    damaged[at + 3] += 1
+    log = _read(tmp_path / "log", bytes(damaged))
+    assert not has_warning(log, "of the chunk that is cut off")
+    assert has_warning(log, "the file is cut off")
+
+
+@pytest.mark.parametrize("crcs", [True, False])
+def test_it_is_known_whether_a_file_has_checksums(tmp_path, crcs):
+    entries = our_entries(make_small_log())
+    source, path = write_mcap(tmp_path / "source", entries), tmp_path / "log"
+    copy_mcap(source, path, enable_crcs=crcs, enable_data_crcs=False)
+    stream = McapStream(filename=path)
+    assert list(stream.Messages()) and stream.checksums == crcs

@@ -1,8 +1,9 @@
 """What damage costs in a ROS 1 bag, and what is said of it."""
 
+import bag_fixtures
 from bag_fixtures import our_entries, write_ros1
 from damage_fixtures import count_wrong, expected_log
-from log_fixtures import has_warning, read_small_log
+from log_fixtures import has_warning, make_small_log, read_small_log
 import pytest
 
 from pbpf_drake.bags.log_error import LogError
@@ -107,3 +108,19 @@ def test_an_encrypted_bag_is_refused(whole, tmp_path):
     )
     with pytest.raises(LogError, match="it is encrypted, by b'rot13'"):
         _read(tmp_path, damaged)
+
+
+@pytest.mark.parametrize("compression", ["none", "lz4"])
+def test_a_chunk_that_is_cut_off_is_used_up_to_there(
+    tmp_path, compression, monkeypatch
+):
+    # The whole log in one chunk, of which three quarters are left.
+    monkeypatch.setattr(bag_fixtures, "_CHUNK", 10**7)
+    expected = make_small_log(num_samples=3000)
+    path = tmp_path / "whole"
+    write_ros1(path, our_entries(expected), compression)
+    content = path.read_bytes()
+    log = _read(tmp_path, content[: len(content) * 3 // 4])
+    assert 1000 < len(log.joints.times) < 3000
+    assert has_warning(log, "of the chunk that is cut off", "its checksum")
+    assert count_wrong(log, expected) == 0

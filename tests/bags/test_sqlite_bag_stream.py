@@ -1,5 +1,6 @@
 """ROS 2 bags in SQLite, of all ages, and damaged ones."""
 
+from itertools import islice
 import sqlite3
 
 from bag_fixtures import our_entries, write_ros2
@@ -8,6 +9,7 @@ from log_fixtures import has_warning, read_small_log
 import pytest
 
 from pbpf_drake.bags.log_error import LogError
+from pbpf_drake.bags.sqlite_bag_stream import SqliteBagStream
 
 PAGE = 4096
 
@@ -115,3 +117,44 @@ def test_what_a_recorder_left_in_its_journal_is_read(tmp_path, whole):
     finally:
         recorder.close()
     assert count < 150
+
+
+def _lead_in_a_circle(whole):
+    """The content, in which one leaf is twice there, and the next is bad."""
+    content = bytearray(whole)
+    for at in range(PAGE, len(whole), PAGE):
+        count = int.from_bytes(content[at + 3 : at + 5], "big")
+        if content[at] == 5 and count > 5:
+            break
+    # Cells of an inner page start with the number of a page below it.
+    places = [
+        at + int.from_bytes(content[at + 12 + 2 * i :][:2], "big")
+        for i in range(count)
+    ]
+    first, third, fourth = (places[i] for i in (0, 3, 4))
+    content[third : third + 4] = content[first : first + 4]
+    bad = int.from_bytes(content[fourth : fourth + 4], "big")
+    content[(bad - 1) * PAGE] = 77
+    return bytes(content)
+
+
+def test_rows_that_lead_in_a_circle_end(file, whole):
+    file.write_bytes(_lead_in_a_circle(whole))
+    stream = SqliteBagStream(filename=file)
+    read = list(islice(stream.Messages(), 2000))
+    assert 150 < len(read) < 265
+    # No message is there twice.
+    assert len({(m.topic, m.log_time) for m in read}) == len(read)
+    assert stream.damage[0].startswith("left out the messages 77 to 129")
+    log = read_small_log(file)
+    assert count_wrong(log, expected_log()) == 0
+
+
+def test_many_places_that_are_damaged_are_counted_not_named(file):
+    _change(file, "UPDATE topics SET name = 'a b'")
+    rows = "), (".join(f"{i}, 'a b', 'x', 'cdr', '', ''" for i in range(9, 99))
+    _change(file, f"INSERT INTO topics VALUES ({rows})")
+    stream = SqliteBagStream(filename=file)
+    assert list(stream.Messages()) == []
+    assert len(stream.damage) < 40
+    assert "left out 63 more places: damaged" in stream.damage

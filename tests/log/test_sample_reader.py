@@ -2,11 +2,23 @@
 
 from log_fixtures import has_warning, read_small_log
 from mcap.writer import Writer as McapWriter
-from mcap_fixtures import DETECTIONS, JOINT_STATES, SECOND, T0, TRUTH
+from mcap_fixtures import (
+    DETECTIONS,
+    JOINT_STATES,
+    SECOND,
+    T0,
+    TRUTH,
+    FaultyLog,
+    pose,
+)
+from mcap_ros2._dynamic import serialize_dynamic
 import pytest
 
+from pbpf_drake.bags.detection_layouts import old_definition
 from pbpf_drake.bags.log_error import LogError
 from pbpf_drake.bags.log_notes import LogNotes
+from pbpf_drake.bags.read_limits import ReadLimits
+from pbpf_drake.bags.ros2_messages import JOINT_STATE, message_definition
 from pbpf_drake.log.sample_extraction import DETECTION_TYPES, JOINT_TYPES
 from pbpf_drake.log.sample_reader import ReadSamples
 
@@ -44,6 +56,81 @@ def test_a_topic_of_another_type_is_refused(faulty):
         "'geometry_msgs/msg/PoseArray'; expected sensor_msgs/msg/JointState",
     ):
         faulty.read()
+
+
+def _write_channels(path, channels):
+    """Writes (topic, type, definition, messages) as one channel each."""
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start()
+        for topic, kind, text, messages in channels:
+            schema = (
+                writer.register_schema(kind, "ros2msg", text.encode())
+                if kind
+                else 0
+            )
+            channel = writer.register_channel(topic, "cdr", schema)
+            for i, data in enumerate(messages):
+                writer.add_message(channel, i, data, i)
+        writer.finish()
+
+
+def test_messages_of_another_type_beside_the_right_ones_are_counted(path):
+    text = message_definition(JOINT_STATE)
+    data = serialize_dynamic(JOINT_STATE, text)[JOINT_STATE]({"name": ["a"]})
+    _write_channels(
+        path,
+        [
+            (JOINT_STATES, "std_msgs/msg/Empty", "", [b"\0\1\0\0\0"] * 3),
+            (JOINT_STATES, JOINT_STATE, text, [data] * 5),
+        ],
+    )
+    notes = LogNotes()
+    samples = ReadSamples(path, {JOINT_STATES: JOINT_TYPES}, notes)
+    assert len(samples.joints) == 5
+    (said,) = notes.Sentences()
+    assert "left out 3 messages of type 'std_msgs/msg/Empty'" in said
+
+
+def test_a_type_that_is_not_named_and_fits_none_is_refused(path):
+    _write_channels(
+        path, [(JOINT_STATES, "", "", [b"\0\1\0\0\7\0\0\0text..."])]
+    )
+    with pytest.raises(LogError, match="type that the file does not name"):
+        read_small_log(path)
+
+
+def test_what_is_beyond_a_limit_is_counted(path):
+    with FaultyLog(path) as log:
+        for i in range(50):
+            log.joints(i)
+    notes = LogNotes()
+    limits = ReadLimits(decoded=1000, decoded_growth=0)
+    types = {JOINT_STATES: JOINT_TYPES}
+    samples = ReadSamples(path, types, notes, limits)
+    assert 5 < len(samples.joints) < 20
+    left_out = 50 - len(samples.joints)
+    (said,) = notes.Sentences()
+    assert f"left out {left_out} messages beyond what is decoded" in said
+
+
+def test_a_layout_that_was_found_out_is_said(path):
+    kind = "vision_msgs/msg/Detection3DArray"
+    text = old_definition("string", tracking=True)
+    result = {
+        "id": "box",
+        "score": 1.0,
+        "pose": {"pose": pose((1, 0, 0, 0), (0, 0, 1))},
+    }
+    data = serialize_dynamic(kind, text)[kind](
+        {"detections": [{"results": [result]}]}
+    )
+    _write_channels(path, [(DETECTIONS, kind, "", [data] * 9)])
+    notes = LogNotes()
+    samples = ReadSamples(path, {DETECTIONS: DETECTION_TYPES}, notes)
+    assert [p.value.name for p in samples.poses[DETECTIONS]] == ["box"] * 9
+    (said,) = notes.Sentences()
+    assert "only that of ROS 2 Foxy fits" in said
 
 
 def test_another_encoding_is_refused(path):
