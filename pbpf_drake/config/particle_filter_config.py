@@ -37,7 +37,7 @@ _MAX_VALUES = {
 }
 # With a shorter period (in seconds) a run would never end, and with shorter
 # steps (in seconds and in meters) an update.
-_MIN_PERIOD = 1e-3
+_MIN_PERIOD = 1e-5
 _MIN_TIME_STEP = 1e-4
 _MIN_TRAVEL = 1e-5
 # Rays of all particles to one object.
