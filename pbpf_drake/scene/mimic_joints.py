@@ -3,17 +3,14 @@
 Drake reads them, but doesn't tell.
 """
 
-from pathlib import Path
 from xml.etree import ElementTree
 
-from pydrake.multibody.parsing import (
-    FlattenModelDirectives,
-    ModelDirectives,
-    PackageMap,
-)
+from pydrake.multibody.parsing import PackageMap
 
 from pbpf_drake.config.scene_config import Scene
 from pbpf_drake.model_facts import MimicJoint
+from pbpf_drake.scene.model_packages import ResolveModelUrl, SceneFolder
+from pbpf_drake.scene.scene_directives import FlatDirectives
 
 
 def MimicJoints(scene: Scene, packages: PackageMap) -> dict[str, MimicJoint]:
@@ -26,17 +23,14 @@ def MimicJoints(scene: Scene, packages: PackageMap) -> dict[str, MimicJoint]:
     Raises:
         ValueError: a mimic joint's number isn't one.
     """
-    directives = FlattenModelDirectives(
-        ModelDirectives(directives=scene.directives), packages
-    ).directives
     files = [
-        d.add_model.file
-        for d in directives
+        ResolveModelUrl(d.add_model.file, SceneFolder(scene), packages)
+        for d in FlatDirectives(scene, packages)
         if d.add_model is not None and d.add_model.name == scene.robot
     ]
     mimics: dict[str, MimicJoint] = {}
     for file in files:
-        mimics |= parse_mimic_joints(_text(file, packages))
+        mimics |= parse_mimic_joints(file.read_bytes())
     return mimics
 
 
@@ -79,12 +73,3 @@ def _mimic_joint(name: str, mimic: ElementTree.Element) -> MimicJoint:
     # SDF: q - offset = multiplier (q_leader - reference).
     offset -= multiplier * number("reference", 0.0)
     return MimicJoint(mimic.get("joint", ""), multiplier, offset)
-
-
-def _text(file: str, packages: PackageMap) -> bytes:
-    """Returns what is in a model file; nothing where it isn't a file."""
-    try:
-        path = Path(packages.ResolveUrl(file))
-    except RuntimeError:
-        path = Path(file.removeprefix("file://"))
-    return path.read_bytes() if path.is_file() else b""

@@ -42,7 +42,7 @@ def MakeReadable(scene: Scene, packages: PackageMap) -> ReadableDirectives:
     folder = SceneFolder(scene)
     models = ReadableModels(packages)
     directives = []
-    for directive in _flat(scene.directives, folder, packages):
+    for directive in FlatDirectives(scene, packages):
         if directive.add_model is not None:
             model = directive.add_model
             try:
@@ -58,10 +58,17 @@ def MakeReadable(scene: Scene, packages: PackageMap) -> ReadableDirectives:
     return ReadableDirectives(directives, models)
 
 
-def _flat(
-    directives: list[ModelDirective], folder: Path, packages: PackageMap
-) -> list[ModelDirective]:
-    """Returns the directives with those of other files in their place."""
+def FlatDirectives(scene: Scene, packages: PackageMap) -> list[ModelDirective]:
+    """Returns a scene's directives, with those of other files in their place.
+
+    Args:
+        scene: its directives are left as they are.
+        packages: where packages are.
+
+    Raises:
+        ValueError: a file is missing.
+    """
+    directives, folder = scene.directives, SceneFolder(scene)
     if not any(d.add_directives for d in directives):
         return directives
     found = []

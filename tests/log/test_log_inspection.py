@@ -187,15 +187,15 @@ def test_it_says_in_which_frames_detections_are(faulty, path):
 def test_it_says_what_is_used_and_how_old_detections_are(faulty, path):
     for i in range(10):
         faulty.joints(0.1 * i)
-        faulty.detection(0.1 * i, delay=0.4)
+        faulty.detection(0.1 * i, delay=2.4)
     faulty.detection(0.95, q=(0, 0, 0, 0))
     faulty.__exit__()
     text = _inspect(path, names=("a", "b"))
     for line in (
         "/joint_states: 10 messages read, 10 used",
         "11 detections of 'box' read, 10 used; 1 left out: whose quaternion",
-        "detections of 'box' are 0.400 s old when they arrive (median; 95th",
-        "is older than filter.max_detection_age, 0.25 s",
+        "detections of 'box' are 2.400 s old when they arrive (median; 95th",
+        "is older than filter.max_detection_age, 2 s",
     ):
         assert line in text
 

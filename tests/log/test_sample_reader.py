@@ -87,7 +87,7 @@ def test_messages_of_another_type_beside_the_right_ones_are_counted(path):
     )
     notes = LogNotes()
     samples = ReadSamples(path, {JOINT_STATES: JOINT_TYPES}, notes)
-    assert len(samples.joints) == 5
+    assert len(samples.joints[JOINT_STATES]) == 5
     (said,) = notes.Sentences()
     assert "left out 3 messages of type 'std_msgs/msg/Empty'" in said
 
@@ -108,8 +108,8 @@ def test_what_is_beyond_a_limit_is_counted(path):
     limits = ReadLimits(decoded=1000, decoded_growth=0)
     types = {JOINT_STATES: JOINT_TYPES}
     samples = ReadSamples(path, types, notes, limits)
-    assert 5 < len(samples.joints) < 20
-    left_out = 50 - len(samples.joints)
+    assert 5 < len(samples.joints[JOINT_STATES]) < 20
+    left_out = 50 - len(samples.joints[JOINT_STATES])
     (said,) = notes.Sentences()
     assert f"left out {left_out} messages beyond what is decoded" in said
 

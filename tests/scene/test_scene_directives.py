@@ -71,7 +71,7 @@ def test_a_model_may_be_in_a_package_that_the_scene_names(tmp_path, robots):
         ("/nowhere/a.urdf", r"'/nowhere/a\.urdf' which does not exist"),
         ("package://my_arm/a.urdf", "unknown package 'my_arm'; name its fold"),
         ("ws", "ws is no file; expected a model"),
-        ("pipe.urdf", r"pipe\.urdf is no file; expected a model"),
+        ("pipe.urdf", r"pipe\.urdf is no regular file; expected one"),
     ],
 )
 def test_a_file_that_is_not_there_is_named(tmp_path, robots, file, message):
