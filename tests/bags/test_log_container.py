@@ -1,7 +1,5 @@
 """The same log in every container is read as the same log."""
 
-import os
-
 from bag_fixtures import our_entries, write_mcap, write_ros1, write_ros2
 from log_fixtures import assert_same_log, make_small_log, read_small_log
 import pytest
@@ -44,6 +42,13 @@ def test_the_file_of_a_folder_can_be_read_alone(tmp_path):
     assert_same_log(found, log)
 
 
+def test_limits_are_those_that_are_asked_for(tmp_path):
+    path = write_mcap(tmp_path / "log", our_entries(make_small_log()))
+    stream = OpenLogStream(path, limits=ReadLimits(message=100))
+    assert {m.topic for m in stream.Messages()} == {"/ground_truth/box"}
+    assert any("see ReadLimits.message" in said for said in stream.damage)
+
+
 def test_what_a_file_is_is_told_by_its_content_not_its_name(tmp_path):
     path = tmp_path / "log.mcap"
     write_ros1(path, our_entries(make_small_log()))
@@ -72,17 +77,3 @@ def test_a_file_of_nothing_is_refused(tmp_path, name):
     path.write_bytes(b"")
     with pytest.raises(LogError, match="it is empty"):
         read_small_log(path)
-
-
-def test_a_pipe_is_refused_and_not_waited_for(tmp_path):
-    path = tmp_path / "pipe"
-    os.mkfifo(path)
-    with pytest.raises(LogError, match="but it is a pipe or a device"):
-        read_small_log(path)
-
-
-def test_limits_are_those_that_are_asked_for(tmp_path):
-    path = write_mcap(tmp_path / "log", our_entries(make_small_log()))
-    stream = OpenLogStream(path, limits=ReadLimits(message=100))
-    assert {m.topic for m in stream.Messages()} == {"/ground_truth/box"}
-    assert any("see ReadLimits.message" in said for said in stream.damage)
