@@ -29,7 +29,7 @@ def run(code: str) -> dict:
 
 
 def test_every_block_of_python_is_run_below():
-    names = "DiagramBuilder()", "LiveFilter", "WriteLog", "ReadLimits"
+    names = "DiagramBuilder()", "LiveFilter", "WriteLog"
     for block in blocks("python"):
         assert sum(name in block for name in names) == 1
 
@@ -72,11 +72,6 @@ def test_log_of_ones_own_is_written_and_can_be_read(tmp_path, monkeypatch):
     )
     (detection,) = log.detections
     assert detection.name == "block" and detection.received == 0.08
-
-
-def test_limits_of_a_log_can_be_raised():
-    code = next(b for b in blocks("python") if "ReadLimits" in b)
-    assert run(code)["limits"].message == 2**28
 
 
 def test_scene_with_an_object_of_ones_own_loads(tmp_path, monkeypatch):

@@ -44,6 +44,13 @@ def test_the_file_of_a_folder_can_be_read_alone(tmp_path):
     assert_same_log(found, log)
 
 
+def test_limits_are_those_that_are_asked_for(tmp_path):
+    path = write_mcap(tmp_path / "log", our_entries(make_small_log()))
+    stream = OpenLogStream(path, limits=ReadLimits(message=100))
+    assert {m.topic for m in stream.Messages()} == {"/ground_truth/box"}
+    assert any("see ReadLimits.message" in said for said in stream.damage)
+
+
 def test_what_a_file_is_is_told_by_its_content_not_its_name(tmp_path):
     path = tmp_path / "log.mcap"
     write_ros1(path, our_entries(make_small_log()))
@@ -79,10 +86,3 @@ def test_a_pipe_is_refused_without_waiting_for_it(tmp_path):
     os.mkfifo(path)
     with pytest.raises(LogError, match="but it is no regular file"):
         OpenLogStream(path)
-
-
-def test_limits_are_those_that_are_asked_for(tmp_path):
-    path = write_mcap(tmp_path / "log", our_entries(make_small_log()))
-    stream = OpenLogStream(path, limits=ReadLimits(message=100))
-    assert {m.topic for m in stream.Messages()} == {"/ground_truth/box"}
-    assert any("see ReadLimits.message" in said for said in stream.damage)
