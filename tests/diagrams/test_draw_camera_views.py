@@ -37,7 +37,7 @@ YELLOW, GREEN = [255, 213, 0], [25, 224, 90]
 # The estimate's wireframe covers a part of the detection's.
 @pytest.mark.parametrize(
     ("method", "pixels"),
-    [("dope", {300: [YELLOW]}), ("cvpf", {150: [YELLOW, GREEN]})],
+    [("dope", {300: [YELLOW]}), ("cvpf", {100: [YELLOW, GREEN]})],
 )
 def test_picture_has_a_view_per_time_and_all_wireframes(
     tmp_path: Path, method, pixels
