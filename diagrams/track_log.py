@@ -155,21 +155,18 @@ def run(args: argparse.Namespace) -> tuple[str, ...]:
     """
     scene = LoadScene(args.scene)
     model = MakePredictionModel(scene)
+    names, facts = model.joint_names, model.facts
     if args.inspect:
-        text = InspectLog(
-            filename=args.inspect,
-            scene=scene,
-            joint_names=model.joint_names,
-            facts=model.facts,
+        file = args.inspect
+        print(
+            InspectLog(
+                filename=file, scene=scene, joint_names=names, facts=facts
+            )
         )
-        print(text)
         return ()
     config = _config(args, scene)
     log = ReadLog(
-        filename=args.log,
-        scene=scene,
-        joint_names=model.joint_names,
-        facts=model.facts,
+        filename=args.log, scene=scene, joint_names=names, facts=facts
     )
     if NumSteps(log, config) < 1:
         raise ValueError(
@@ -192,10 +189,10 @@ def run(args: argparse.Namespace) -> tuple[str, ...]:
     _say(written, tracked.usage)
     print(f"Written to {args.out.resolve()}")
     if interrupted:
+        done, steps = len(records[0].times), NumSteps(log, config)
         print(
-            f"Interrupted after {len(records[0].times)} of "
-            f"{NumSteps(log, config)} updates: there are no plots, no video "
-            "and no replay"
+            f"Interrupted after {done} of {steps} updates: there are no plots, "
+            "no video and no replay"
         )
         raise KeyboardInterrupt
     return written.failures

@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 from paths import ROOT
@@ -77,3 +78,21 @@ def test_reading_bags_needs_no_drake():
     for room, file in _modules():
         if room == "bags":
             assert not any(x.startswith("pydrake") for x in _imported(file))
+
+
+def test_there_is_no_cycle_of_modules():
+    """TopologicalSorter raises a CycleError that names one."""
+    graph: dict[str, set[str]] = {}
+    for _, file in _modules():
+        name = ".".join(file.relative_to(ROOT).with_suffix("").parts)
+        graph[name.removesuffix(".__init__")] = set(_imported(file))
+    modules = {
+        name: {m for m in graph if m in imported or _is_part(m, imported)}
+        for name, imported in graph.items()
+    }
+    assert len(list(TopologicalSorter(modules).static_order())) == len(graph)
+
+
+def _is_part(module: str, imported: set[str]) -> bool:
+    """Whether something of a module is imported."""
+    return any(name.rpartition(".")[0] == module for name in imported)

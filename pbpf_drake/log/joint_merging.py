@@ -102,17 +102,7 @@ def merge_joints(
     missing = [name for name in joint_names if name not in columns]
     if missing:
         wanted = [plan.logged[name] for name in missing]
-        absent = [name for name in wanted if name not in found]
-        if absent:
-            raise LogError(missing_joints(absent, tuple(found)))
-        raise LogError(
-            "; ".join(
-                [
-                    f"no message that can be used has the joints {wanted}",
-                    *notes.Sentences(),
-                ]
-            )
-        )
+        raise LogError(_why_missing(wanted, found, notes))
     chosen = [columns[name] for name in joint_names]
     velocities = [v for _, v in chosen if v is not None]
     record = JointRecord(
@@ -124,6 +114,17 @@ def merge_joints(
         else None,
     )
     return record, int(times[0])
+
+
+def _why_missing(
+    wanted: Sequence[str], found: Sequence[str], notes: LogNotes
+) -> str:
+    """Returns why some joints have no motion: the log's names for them."""
+    absent = [name for name in wanted if name not in found]
+    if absent:
+        return missing_joints(absent, tuple(found))
+    said = f"no message that can be used has the joints {wanted}"
+    return "; ".join([said, *notes.Sentences()])
 
 
 def _column(

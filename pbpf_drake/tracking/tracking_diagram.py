@@ -127,11 +127,7 @@ def Track(
             f"period, {config.period:g} s"
         )
     tracking = MakeTrackingDiagram(
-        scene=scene,
-        log=log,
-        method=method,
-        config=config,
-        meshcat=meshcat,
+        scene=scene, log=log, method=method, config=config, meshcat=meshcat
     )
     rows: list[dict[str, np.ndarray]] = []
     try:
