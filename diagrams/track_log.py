@@ -7,6 +7,7 @@ that is pushed behind an obstacle. See --help for everything else.
 import argparse
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 import os
 from pathlib import Path
 import sys
@@ -157,12 +158,8 @@ def run(args: argparse.Namespace) -> tuple[str, ...]:
     model = MakePredictionModel(scene)
     names, facts = model.joint_names, model.facts
     if args.inspect:
-        file = args.inspect
-        print(
-            InspectLog(
-                filename=file, scene=scene, joint_names=names, facts=facts
-            )
-        )
+        look = partial(InspectLog, scene=scene, joint_names=names, facts=facts)
+        print(look(filename=args.inspect))
         return ()
     config = _config(args, scene)
     log = ReadLog(
