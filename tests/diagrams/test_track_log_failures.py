@@ -159,11 +159,13 @@ def started(tmp_path):
     def start(*options: str) -> subprocess.Popen:
         command = [sys.executable, "-m", "pbpf_drake.diagrams.track_log"]
         process = subprocess.Popen(
-            [*command, "--out", "out", "--particles", "10", *options],
+            [*command, "--out", "out", "--particles", "40", *options],
             cwd=tmp_path,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
+            # Whoever runs the tests may have asked for few lines of progress.
+            env={**os.environ, "TQDM_MININTERVAL": "0.05"},
             start_new_session=True,
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
