@@ -2,6 +2,7 @@
 
 import io
 from pathlib import Path
+import warnings
 
 import numpy as np
 from scipy.spatial import QhullError
@@ -39,12 +40,15 @@ def ConvertMesh(path: Path, data: bytes, *, hull: bool) -> str:
 def _load(path: Path, data: bytes, ending: str) -> trimesh.Trimesh:
     """Returns all triangles of a mesh file, in one mesh in meters."""
     try:
-        loaded = trimesh.load_scene(
-            io.BytesIO(data), file_type=ending[1:], process=False
-        )
-        if ending == ".dae":
-            loaded = loaded.convert_units("meters")
-        mesh = loaded.to_mesh()
+        with warnings.catch_warnings():
+            # pycollada uses what numpy 2.5 deprecates: its authors' affair.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            loaded = trimesh.load_scene(
+                io.BytesIO(data), file_type=ending[1:], process=False
+            )
+            if ending == ".dae":
+                loaded = loaded.convert_units("meters")
+            mesh = loaded.to_mesh()
     # A damaged file makes these readers raise nearly anything.
     except Exception as error:
         raise ValueError(

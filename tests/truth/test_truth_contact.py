@@ -43,11 +43,11 @@ def test_contact_is_hydroelastic(truth_and_context):
 
 
 def test_only_tracked_objects_are_compliant(truth_and_context):
-    def modulus(name: str) -> float | None:
-        properties = _properties(truth_and_context[0], name)
-        return properties.GetPropertyOrDefault(
-            "hydroelastic", "hydroelastic_modulus", None
-        )
+    def modulus(model: str) -> float | None:
+        properties = _properties(truth_and_context[0], model)
+        name = ("hydroelastic", "hydroelastic_modulus")
+        has_one = properties.HasProperty(*name)
+        return properties.GetProperty(*name) if has_one else None
 
     assert modulus("block") == 1e7
     assert modulus("table") is None
