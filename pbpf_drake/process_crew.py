@@ -7,11 +7,13 @@ has already, and only jobs and their results are sent between them.
 
 from collections.abc import Iterator, Sequence
 import contextlib
+from contextlib import AbstractContextManager
 import gc
 import logging
 import multiprocessing
 from multiprocessing.connection import Connection
 from multiprocessing.context import ForkProcess
+from multiprocessing.reduction import ForkingPickler
 import signal
 import sys
 import threading
@@ -26,6 +28,9 @@ import numpy as np
 _LARGEST_BLOCK = 31 * 2**20
 # How long a process may be silent before it is ended (in seconds).
 _PATIENCE = 10.0
+# What a pipe holds although nobody reads it, so that writing doesn't block (in
+# bytes): half of what Linux has.
+_FITS_INTO_PIPE = 2**15
 
 _Worker = TypeVar("_Worker")
 _Result = TypeVar("_Result")
@@ -165,6 +170,7 @@ class _Helper:
             process.start()
         line.close()
         self._process = process
+        self._may_block = False
         weakref.finalize(self, _dismiss, self._line, process)
 
     def Send(self, jobs: Sequence[Job[Any, Any]]) -> None:
@@ -174,8 +180,11 @@ class _Helper:
             OSError: the copy has died, or doesn't read what is sent.
         """
         self._num_sent += 1
-        with _deadline(self._process, _PATIENCE):
-            self._line.send((self._num_sent, jobs))
+        message = ForkingPickler.dumps((self._num_sent, jobs))
+        # The answer to a short message is short, too.
+        self._may_block = len(message) > _FITS_INTO_PIPE
+        with self._Deadline(_PATIENCE):
+            self._line.send_bytes(message)
 
     def Receive(self, patience: float) -> list[Any] | Exception:
         """Returns the answer to what was sent last.
@@ -189,11 +198,19 @@ class _Helper:
         Raises:
             EOFError, OSError: the copy has died, or had to be ended.
         """
-        with _deadline(self._process, patience):
-            while True:
+        while self._line.poll(patience):
+            with self._Deadline(patience):
                 number, answer = self._line.recv()
-                if number == self._num_sent:
-                    return answer
+            if number == self._num_sent:
+                return answer
+        self._process.kill()
+        raise EOFError("the process doesn't answer")
+
+    def _Deadline(self, seconds: float) -> AbstractContextManager[None]:
+        """Returns a deadline for a message that doesn't fit into the pipe."""
+        if not self._may_block:
+            return contextlib.nullcontext()
+        return _deadline(self._process, seconds)
 
 
 @contextlib.contextmanager
