@@ -8,11 +8,11 @@ import numpy as np
 from pbpf_drake.filtering.recent_detections import DETECTION_FATES
 
 # A reason is said once it left out more than this share of the detections ...
-_SHARE = 0.1
+MAX_LEFT_OUT = 0.1
 # ... and this many.
 _FEW = 3
 # So many outliers in a row are said; the track may be lost.
-_IN_A_ROW = 5
+MANY_REJECTED = 5
 _REMEDIES = {
     "too old": "raise filter.max_detection_age, or see whether the camera's "
     "clock is behind",
@@ -74,14 +74,14 @@ class InputWarnings:
             for reason, count in list(
                 zip(DETECTION_FATES, counts[k], strict=True)
             )[1:]:
-                if count > max(_FEW, _SHARE * counts[k].sum()):
+                if count > max(_FEW, MAX_LEFT_OUT * counts[k].sum()):
                     self._SayOnce(
                         (name, reason),
                         f"{name}: {count:.0f} of {counts[k].sum():.0f} "
                         f"detections were not used, because they are {reason}; "
                         f"{_REMEDIES[reason]}",
                     )
-            if num_rejected[k] >= _IN_A_ROW:
+            if num_rejected[k] >= MANY_REJECTED:
                 self._SayOnce(
                     (name, "rejected"),
                     f"{name}: the last {num_rejected[k]:.0f} detections are "

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from pbpf_drake.poses.pose_conversion import pose_array
+from pbpf_drake.scene.model_places import WorldBoxes
 from pbpf_drake.scene.prediction_model import PredictionModel
-from pbpf_drake.shapes.box_corners import box_corners
 
 # An object is not further than this from everything in the scene (in meters).
 MARGIN = 3.0
@@ -22,16 +23,14 @@ def FindWorkspace(model: PredictionModel) -> np.ndarray:
     plant = model.diagram.plant()
     context = plant.CreateDefaultContext()
     inspector = model.diagram.scene_graph().model_inspector()
-    points = [model.nominal_poses[:, 4:]]
+    geometries, poses = [], []
     for body in [*model.models.fixed, *model.links]:
-        X_WB = plant.get_body(body).EvalPoseInWorld(context)
+        X_WB = pose_array(plant.get_body(body).EvalPoseInWorld(context))
         for geometry in model.geometries(body):
-            box = inspector.GetObbInGeometryFrame(geometry)
-            if box is not None:
-                X_BG = inspector.GetPoseInFrame(geometry) @ box.pose()
-                corners = box_corners(np.asarray(box.half_width()))
-                points.append((X_WB @ X_BG).multiply(corners.T).T)
-    together = np.concatenate(points)
+            geometries.append([geometry])
+            poses.append(X_WB)
+    boxes = WorldBoxes(inspector, geometries, np.reshape(poses, (-1, 7)))
+    points = np.concatenate([model.nominal_poses[:, 4:], *boxes])
     return np.stack(
-        [np.min(together, axis=0) - MARGIN, np.max(together, axis=0) + MARGIN]
+        [np.min(points, axis=0) - MARGIN, np.max(points, axis=0) + MARGIN]
     )

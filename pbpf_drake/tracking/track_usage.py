@@ -2,15 +2,11 @@
 
 import numpy as np
 
+from pbpf_drake.filtering.input_warnings import MANY_REJECTED, MAX_LEFT_OUT
 from pbpf_drake.filtering.recent_detections import DETECTION_FATES
 from pbpf_drake.log.log_records import Log
 from pbpf_drake.results.input_usage import UsageRow
 from pbpf_drake.results.track_record import TrackRecord
-
-# A larger share of the detections that isn't used is worth a warning.
-_SHARE = 0.1
-# So are so many in a row without effect.
-_IN_A_ROW = 5
 
 
 def usage_rows(log: Log, record: TrackRecord) -> list[UsageRow]:
@@ -52,14 +48,14 @@ def usage_warnings(record: TrackRecord) -> tuple[str, ...]:
         strict=False,
     ):
         read, left_out = np.sum(counts), np.sum(counts[1:])
-        if left_out > _SHARE * read:
+        if left_out > MAX_LEFT_OUT * read:
             worst = DETECTION_FATES[1 + int(np.argmax(counts[1:]))]
             sentences.append(
                 f"{record.method} used only {read - left_out:.0f} of "
                 f"{read:.0f} detections of {name!r}: most of the others are "
                 f"{worst}"
             )
-        if in_a_row >= _IN_A_ROW:
+        if in_a_row >= MANY_REJECTED:
             sentences.append(
                 f"{record.method}: {in_a_row:.0f} detections of {name!r} in a "
                 "row were far from all particles and had no effect: the track "

@@ -12,6 +12,7 @@ from command_fixtures import SCENE, run_command, write_push
 from filter_fixtures import make_push_log
 from mcap.reader import make_reader
 import pytest
+from socket_fixtures import listening
 
 from pbpf_drake.diagrams import track_log
 from pbpf_drake.tracking import track_outputs
@@ -135,22 +136,6 @@ def test_an_interruption_keeps_what_there_is(
     assert printed.err == "pbpf-track: interrupted\n"
 
 
-def _listening(pid: int) -> list[str]:
-    """Addresses on which a process waits for connections, in hexadecimal."""
-    inodes = set()
-    for link in Path(f"/proc/{pid}/fd").iterdir():
-        try:
-            inodes.add(os.readlink(link).removeprefix("socket:[")[:-1])
-        except OSError:
-            continue
-    rows = [
-        line.split()
-        for name in ("tcp", "tcp6")
-        for line in Path(f"/proc/net/{name}").read_text().splitlines()[1:]
-    ]
-    return [r[1] for r in rows if r[3] == "0A" and r[9] in inodes]
-
-
 @pytest.fixture
 def started(tmp_path):
     """Starts the command on the log that comes with it; kills it at the end."""
@@ -194,7 +179,7 @@ def test_ctrl_c_keeps_what_there_is_and_no_server_was_open(
     started, tmp_path, threads
 ):
     process = started("--threads", threads)
-    assert _listening(process.pid) == []
+    assert listening(process.pid) == []
     os.killpg(process.pid, signal.SIGINT)
     printed, errors = process.communicate(timeout=60)
     assert process.returncode == 130
@@ -207,6 +192,6 @@ def test_ctrl_c_keeps_what_there_is_and_no_server_was_open(
 @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 def test_a_server_that_is_asked_for_is_for_this_machine_only(started):
     process = started("--show", "--threads", "1")
-    (address,) = _listening(process.pid)
+    (address,) = listening(process.pid)
     # 127.0.0.1, with the lowest byte first.
     assert address.startswith("0100007F:")

@@ -1,10 +1,10 @@
 import logging
 import os
-from pathlib import Path
 import sys
 import urllib.request
 
 import pytest
+from socket_fixtures import listening
 
 from pbpf_drake.views import local_meshcat
 from pbpf_drake.views.local_meshcat import MakeLocalMeshcat, ShortLivedMeshcat
@@ -14,27 +14,11 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-def _listening() -> list[str]:
-    """Addresses on which this process waits, in hexadecimal."""
-    inodes = set()
-    for link in Path("/proc/self/fd").iterdir():
-        try:
-            inodes.add(os.readlink(link).removeprefix("socket:[")[:-1])
-        except OSError:
-            continue
-    rows = [
-        line.split()
-        for name in ("tcp", "tcp6")
-        for line in Path(f"/proc/net/{name}").read_text().splitlines()[1:]
-    ]
-    return [r[1] for r in rows if r[3] == "0A" and r[9] in inodes]
-
-
 def test_only_this_machine_can_reach_it(caplog):
     caplog.set_level(logging.INFO, logger="drake")
-    before = _listening()
+    before = listening(os.getpid())
     meshcat = MakeLocalMeshcat()
-    (address,) = set(_listening()) - set(before)
+    (address,) = set(listening(os.getpid())) - set(before)
     # 127.0.0.1, with the lowest byte first.
     assert address == f"0100007F:{meshcat.port():04X}"
     assert meshcat.web_url() in caplog.text
@@ -44,15 +28,15 @@ def test_only_this_machine_can_reach_it(caplog):
 
 def test_one_for_a_short_time_is_gone_whoever_still_has_it(caplog):
     caplog.set_level(logging.INFO, logger="drake")
-    before = _listening()
+    before = listening(os.getpid())
     kept = []
     with pytest.raises(ZeroDivisionError), ShortLivedMeshcat() as meshcat:
         kept.append(meshcat)
         meshcat.SetProperty("a/b", "visible", True)
-        (address,) = set(_listening()) - set(before)
+        (address,) = set(listening(os.getpid())) - set(before)
         assert address.startswith("0100007F:")
         raise ZeroDivisionError
-    assert set(_listening()) <= set(before)
+    assert set(listening(os.getpid())) <= set(before)
     assert "listening" not in caplog.text
 
 
